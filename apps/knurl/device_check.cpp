@@ -182,9 +182,10 @@ Ray ray(const CheckedArm& arm, const Vector3d& way) {
     return found;
 }
 
-ArmCheck check(const CheckedArm& arm) {
-    ArmCheck result;
-    const drivers::SimProfile& profile = arm.profile;
+namespace {
+
+/// How far the arm reaches, along rays from its centre.
+void find_size(const CheckedArm& arm, ArmCheck& result) {
     result.ball = farthest;
     for (int i = 0; i < directions; ++i) {
         const Vector3d way = direction(i, directions);
@@ -203,13 +204,23 @@ ArmCheck check(const CheckedArm& arm) {
                 result.singular = Extreme{.value = distance, .where = reached.position};
         }
     }
+}
 
+/// The largest effort of each axis (N, N m).
+std::vector<double> limits_of(const CheckedArm& arm) {
+    const drivers::SimProfile& profile = arm.profile;
     std::vector<double> limits;
     for (int i = 0; i < driven(arm); ++i) {
         const auto axis = static_cast<std::size_t>(i);
         const double stated = profile.effort_limit[axis];
         limits.push_back(stated > 0 ? stated : profile.peak_force * profile.largest_lever[axis]);
     }
+    return limits;
+}
+
+/// Forces, torques and resolution at the centre.
+void check_centre(const CheckedArm& arm, const std::vector<double>& limits, ArmCheck& result) {
+    const drivers::SimProfile& profile = arm.profile;
     const Posture centre = posture_of(arm, profile.centre);
     int axis = 0;
     result.weakest_at_centre = weakest(arm, centre, limits, &axis);
@@ -233,7 +244,11 @@ ArmCheck check(const CheckedArm& arm) {
             result.torque_about_axes[i] = largest(arm, centre, limits, torque_about(Vector3d::Unit(i)));
         result.angular_resolution = resolution(arm, centre, 3);
     }
+}
 
+/// The same at places spread over the workspace.
+void check_places(const CheckedArm& arm, const std::vector<double>& limits, ArmCheck& result) {
+    const drivers::SimProfile& profile = arm.profile;
     result.best_condition.value = result.weakest_anywhere.value = std::numeric_limits<double>::infinity();
     std::vector<double> conditions, resolutions;
     int missed = 0, poorly = 0;
@@ -260,6 +275,16 @@ ArmCheck check(const CheckedArm& arm) {
     result.badly_conditioned = static_cast<double>(poorly) / places;
     result.median_condition.value = median(conditions);
     result.median_resolution = median(resolutions);
+}
+
+}  // namespace
+
+ArmCheck check(const CheckedArm& arm) {
+    ArmCheck result;
+    find_size(arm, result);
+    const std::vector<double> limits = limits_of(arm);
+    check_centre(arm, limits, result);
+    check_places(arm, limits, result);
     return result;
 }
 

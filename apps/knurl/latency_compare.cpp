@@ -128,6 +128,41 @@ LatencyFile read_latency_file(const std::string& path) {
     }
 }
 
+namespace {
+
+/// Compares one percentile of all paths.
+void compare_percentile(const LatencyFile& before, const LatencyFile& now, double q,
+                        const measure::Bootstrap& how, LatencyComparison& all) {
+    const FloorsMoved floors = floors_moved(before.run, now.run, q);
+    (q == 0.5 ? all.moved : all.moved_tail) = std::exp(floors.farthest);
+    std::vector<std::pair<measure::Measured, measure::Measured>> runs;
+    std::vector<double> drifts;
+    for (PathComparison& path : all.paths) {
+        if (path.q != q) continue;
+        const Result &was = *find(before.run, path.name), &is = *find(now.run, path.name);
+        path.before = percentile_of(was, q);
+        path.now = percentile_of(is, q);
+        const bool beside = was.ratio && is.ratio && was.reference == is.reference;
+        if (beside) path.reference = is.reference;
+        const auto& [old_run, new_run] =
+            runs.emplace_back(measured(before.run, was, beside), measured(now.run, is, beside));
+        for (const measure::Measured* run : {&old_run, &new_run})
+            if (const auto found = measure::drift(*run, q, how)) drifts.push_back(*found);
+    }
+    auto pair = runs.begin();
+    for (PathComparison& path : all.paths) {
+        if (path.q != q) continue;
+        // A floor shows the machine: how far it moved, without a verdict.
+        const double moved = is_floor(path.name) ? 0 : path.reference ? floors.apart : floors.farthest;
+        path.result = measure::compare_apart(pair->first, pair->second, q,
+                                             {.drift = middle_of(drifts), .moved = moved}, how);
+        if (is_floor(path.name)) path.result.verdict = measure::Verdict::undecided;
+        ++pair;
+    }
+}
+
+}  // namespace
+
 LatencyComparison compare_runs(const LatencyFile& before, const LatencyFile& now) {
     LatencyComparison all{.date = before.run.machine.date, .warnings = warnings(before, now), .paths = {}};
     for (const Result& result : now.run.results) {
@@ -142,34 +177,7 @@ LatencyComparison compare_runs(const LatencyFile& before, const LatencyFile& now
     all.confidence =
         1 - share_of_false_alarms / static_cast<double>(std::max<std::size_t>(1, all.paths.size()));
     const measure::Bootstrap how{.confidence = all.confidence};
-    for (const double q : {0.5, 0.99}) {
-        const FloorsMoved floors = floors_moved(before.run, now.run, q);
-        (q == 0.5 ? all.moved : all.moved_tail) = std::exp(floors.farthest);
-        std::vector<std::pair<measure::Measured, measure::Measured>> runs;
-        std::vector<double> drifts;
-        for (PathComparison& path : all.paths) {
-            if (path.q != q) continue;
-            const Result &was = *find(before.run, path.name), &is = *find(now.run, path.name);
-            path.before = percentile_of(was, q);
-            path.now = percentile_of(is, q);
-            const bool beside = was.ratio && is.ratio && was.reference == is.reference;
-            if (beside) path.reference = is.reference;
-            const auto& [old_run, new_run] =
-                runs.emplace_back(measured(before.run, was, beside), measured(now.run, is, beside));
-            for (const measure::Measured* run : {&old_run, &new_run})
-                if (const auto found = measure::drift(*run, q, how)) drifts.push_back(*found);
-        }
-        auto pair = runs.begin();
-        for (PathComparison& path : all.paths) {
-            if (path.q != q) continue;
-            // A floor shows the machine: how far it moved, without a verdict.
-            const double moved = is_floor(path.name) ? 0 : path.reference ? floors.apart : floors.farthest;
-            path.result = measure::compare_apart(pair->first, pair->second, q,
-                                                 {.drift = middle_of(drifts), .moved = moved}, how);
-            if (is_floor(path.name)) path.result.verdict = measure::Verdict::undecided;
-            ++pair;
-        }
-    }
+    for (const double q : {0.5, 0.99}) compare_percentile(before, now, q, how, all);
     return all;
 }
 

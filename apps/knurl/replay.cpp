@@ -246,6 +246,7 @@ class Replaying {
     std::string why_not_;
 };
 
+// NOLINTNEXTLINE(readability-function-cognitive-complexity): one loop over the records of a file
 int replay(const ReplayArguments& arguments) {
     RecordingReader recording(arguments.file);
     std::optional<CsvFile> csv;

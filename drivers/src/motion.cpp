@@ -126,6 +126,40 @@ MotionSample Motion::sample(double t, std::size_t& hint) const noexcept {
     return result;
 }
 
+namespace {
+
+/// Throws unless the row has as many columns as those before it; 0: it is the first one.
+void require_columns(std::size_t has, std::size_t columns, const std::string& where) {
+    if ((has == 4 || has == 8) && (columns == 0 || has == columns)) return;
+    const std::string expected =
+        columns == 0 ? "t,x,y,z or t,x,y,z,qw,qx,qy,qz" : std::to_string(columns) + " columns, as above";
+    throw std::runtime_error(where + std::to_string(has) + (has == 1 ? " column; give " : " columns; give ") +
+                             expected);
+}
+
+/// `where`: of the row, for errors.
+MotionRow parse_row(const std::vector<std::string_view>& fields, const std::vector<MotionRow>& before,
+                    const std::string& where) {
+    std::array<double, 8> values = {0, 0, 0, 0, 1, 0, 0, 0};
+    for (std::size_t i = 0; i < fields.size(); ++i) {
+        const std::string column = where + "column " + std::to_string(i + 1) + " (" +
+                                   std::string(column_names[i]) + "): \"" + std::string(fields[i]) + "\" ";
+        if (!parse_number(fields[i], values[i]))
+            throw std::runtime_error(column + "is not a number; write seconds and metres, such as 0.25");
+        if (!std::isfinite(values[i]))
+            throw std::runtime_error(column + "is not finite; leave the row out or interpolate it");
+        if (i == 0 && !before.empty() && !(values[0] > before.back().t))
+            throw std::runtime_error(column +
+                                     "is not after the row before; sort the rows by time, each once");
+    }
+    const Eigen::Quaterniond orientation(values[4], values[5], values[6], values[7]);
+    if (!(orientation.norm() > 1e-6))
+        throw std::runtime_error(where + "column 5 (qw): the quaternion has no length; no turn is 1,0,0,0");
+    return {.t = values[0], .position = {values[1], values[2], values[3]}, .orientation = orientation};
+}
+
+}  // namespace
+
 Motion parse_motion(std::string_view text, const std::string& name) {
     std::vector<MotionRow> rows;
     std::size_t columns = 0;  // 4 or 8, as in the first row
@@ -143,39 +177,12 @@ Motion parse_motion(std::string_view text, const std::string& name) {
         const std::string where = name + ":" + std::to_string(number) + ": ";
         const bool header = first && is_header(fields);
         first = false;
-        if ((fields.size() != 4 && fields.size() != 8) || (columns != 0 && fields.size() != columns)) {
-            const std::string expected = columns == 0 ? "t,x,y,z or t,x,y,z,qw,qx,qy,qz"
-                                                      : std::to_string(columns) + " columns, as above";
-            throw std::runtime_error(where + std::to_string(fields.size()) +
-                                     (fields.size() == 1 ? " column; give " : " columns; give ") + expected);
-        }
+        require_columns(fields.size(), columns, where);
         columns = fields.size();
         if (header) {
             continue;
         }
-        std::array<double, 8> values = {0, 0, 0, 0, 1, 0, 0, 0};
-        for (std::size_t i = 0; i < columns; ++i) {
-            const std::string column = where + "column " + std::to_string(i + 1) + " (" +
-                                       std::string(column_names[i]) + "): \"" + std::string(fields[i]) +
-                                       "\" ";
-            if (!parse_number(fields[i], values[i])) {
-                throw std::runtime_error(column + "is not a number; write seconds and metres, such as 0.25");
-            }
-            if (!std::isfinite(values[i])) {
-                throw std::runtime_error(column + "is not finite; leave the row out or interpolate it");
-            }
-            if (i == 0 && !rows.empty() && !(values[0] > rows.back().t)) {
-                throw std::runtime_error(column +
-                                         "is not after the row before; sort the rows by time, each once");
-            }
-        }
-        const Eigen::Quaterniond orientation(values[4], values[5], values[6], values[7]);
-        if (!(orientation.norm() > 1e-6)) {
-            throw std::runtime_error(where +
-                                     "column 5 (qw): the quaternion has no length; no turn is 1,0,0,0");
-        }
-        rows.push_back(
-            {.t = values[0], .position = {values[1], values[2], values[3]}, .orientation = orientation});
+        rows.push_back(parse_row(fields, rows, where));
     }
     if (rows.empty()) {
         throw std::runtime_error(name + ":" + std::to_string(std::max<std::size_t>(number, 1)) +

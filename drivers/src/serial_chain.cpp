@@ -84,6 +84,7 @@ SerialChain::SerialChain(const SerialChainTable& table)
     }
 }
 
+// NOLINTNEXTLINE(readability-function-cognitive-complexity): one recursion along the chain, in the servo's cycle
 bool SerialChain::forward(std::span<const double> joints, TipPose& pose, Jacobian& jacobian) const noexcept {
     if (joints.size() < count_) {
         return false;

@@ -19,7 +19,7 @@ OfflineHand::OfflineHand(const std::string& address, const knurl::drivers::Motio
     knurl::servo::ClaimTerms terms;
     terms.limits = knurl::servo::limits_for(device_.link(), 1000, terms.frame);
     terms.update_interval = 1.0 / 60;
-    claim_ = &servo_.claim(std::move(terms));
+    claim_ = &servo_.claim(terms);
     claim_->arm();
 }
 

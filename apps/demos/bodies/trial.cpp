@@ -34,6 +34,7 @@ class ForceLoop {
 
 }  // namespace
 
+// NOLINTNEXTLINE(readability-function-cognitive-complexity): a trial's timetable, in order of time
 Trial run_trial(World& world, const Script& script, const TrialOptions& options,
                 const std::function<void(const Moment&)>& each) {
     OfflineHand hand(options.device, script.motion(), options.clamp);

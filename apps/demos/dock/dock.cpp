@@ -252,6 +252,7 @@ class Session {
         read_ns_ = report.read_ns;
     }
 
+    // NOLINTNEXTLINE(readability-function-cognitive-complexity): one state after the other
     void get_ready() {
         const auto begin = Clock::now();
         while (!stop_ && newest_.atoms.empty()) {

@@ -34,6 +34,7 @@ void wait_until_slow(knurl::Claim& hand, const std::atomic<bool>& stop) {
 
 }  // namespace
 
+// NOLINTNEXTLINE(readability-function-cognitive-complexity): one session, from the first report to the last
 FeelResult feel(knurl::Client& client, const knurl::meshfile::MeshFile& file, const FeelOptions& options,
                 const std::atomic<bool>& stop, const std::function<void(const std::string&)>& told) {
     knurl::ClaimOptions claim{.update_interval = 20ms};

@@ -120,6 +120,7 @@ void prepare(knurl::meshfile::MeshFile& file, const knurl::SendOptions& send, bo
                    turned == 1 ? "it so" : "them so");
 }
 
+// NOLINTNEXTLINE(readability-function-cognitive-complexity): one run, step by step
 int run(Options& w) {
     if (!w.picture.empty()) knurl::measure::require_writable(w.picture);
     if (!w.csv.empty()) knurl::measure::require_writable(w.csv);

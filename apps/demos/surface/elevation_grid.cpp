@@ -193,6 +193,7 @@ bool is_esri_grid(std::string_view bytes) {
     }
 }
 
+// NOLINTNEXTLINE(readability-function-cognitive-complexity): a file's format, from top to bottom
 ElevationModel read_esri_grid(std::string_view bytes, const std::string& name) {
     Words words{.rest = bytes, .comments = true};
     const Header header = take_header(words, name);

@@ -65,6 +65,7 @@ std::string_view samples(std::string_view behind, std::size_t wanted, const std:
 
 }  // namespace
 
+// NOLINTNEXTLINE(readability-function-cognitive-complexity): a file's format, from top to bottom
 ElevationModel read_pgm(std::string_view bytes, const std::string& name) {
     Words words{.rest = bytes.substr(2), .comments = true, .within = true};
     std::optional<long> columns, rows, greatest;

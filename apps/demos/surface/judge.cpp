@@ -21,14 +21,63 @@ Eigen::Vector3d true_force(const Terrain::Foot& foot, const Ideal& ideal) {
     return size * foot.normal;
 }
 
+namespace {
+
+/// What one cycle and the one before it say of the servo, and the step of force between them.
+void judge_pair(const Cycle& before, const Cycle& cycle, const Span& span, const Thresholds& limits,
+                Judgement& result) {
+    result.missed += cycle.number - before.number - 1;
+    result.stalls += before.active && !cycle.active;
+    result.late += cycle.late_count - before.late_count;
+    // A step of force always counts, also at the first touch.
+    if (cycle.number != before.number + 1) return;
+    const double periods = cycle.gap > 1.5 * span.period ? cycle.gap / span.period : 1;
+    const double jump = (cycle.force - before.force).norm() / periods;
+    result.jumps += jump > limits.jump;
+    if (jump > result.jump) result.jump = jump, result.jump_at = cycle.t;
+}
+
+/// What is summed from the first touch on.
+struct Touch {
+    std::uint64_t judged = 0, inside = 0;  // cycles
+    double squares = 0, forces = 0;        // N^2, N
+    double lowest = 0, highest = 0;        // m, at rest
+    bool resting = false;
+
+    void add(const Cycle& cycle, const Terrain::Foot& foot, const Ideal& ideal, const Span& span,
+             Judgement& result) {
+        ++judged;
+        inside += foot.distance < 0;
+        const Eigen::Vector3d wanted = true_force(foot, ideal);
+        squares += (cycle.force - wanted).squaredNorm();
+        forces += wanted.norm();
+        if (const double away = cycle.velocity.dot(foot.normal); away > result.kick)
+            result.kick = away, result.kick_at = cycle.t;
+        if (cycle.t < span.rest_at + settling) return;
+        lowest = resting ? std::min(lowest, foot.distance) : foot.distance;
+        highest = resting ? std::max(highest, foot.distance) : foot.distance;
+        resting = true;
+    }
+    void sum_up(const Span& span, Judgement& result) const {
+        if (judged > 0) {
+            const auto n = static_cast<double>(judged);
+            result.force_error = std::sqrt(squares / n);
+            result.mean_force = forces / n;
+            result.contact_share = static_cast<double>(inside) / n;
+            result.contact = static_cast<double>(inside) * span.period;
+        }
+        if (resting) result.limit_cycle = 0.5 * (highest - lowest);
+    }
+};
+
+}  // namespace
+
 Judgement judge(const std::vector<Cycle>& cycles, const std::vector<Terrain::Foot>& feet, const Ideal& ideal,
                 const Span& span, const Thresholds& limits) {
     if (feet.size() != cycles.size()) throw std::invalid_argument("judge: one foot per cycle");
     Judgement result;
+    Touch touch;
     bool touched = false;
-    std::uint64_t judged = 0, inside = 0;
-    double squares = 0, forces = 0, lowest = 0, highest = 0;
-    bool resting = false;
     for (std::size_t i = 0; i < cycles.size(); ++i) {
         const Cycle& cycle = cycles[i];
         if (cycle.t > span.end) break;
@@ -38,45 +87,15 @@ Judgement judge(const std::vector<Cycle>& cycles, const std::vector<Terrain::Foo
             break;
         }
         ++result.cycles;
-        if (i > 0) {
-            result.missed += cycle.number - cycles[i - 1].number - 1;
-            result.stalls += cycles[i - 1].active && !cycle.active;
-            result.late += cycle.late_count - cycles[i - 1].late_count;
-        }
-        // A step of force always counts, also at the first touch.
-        if (i > 0 && cycle.number == cycles[i - 1].number + 1) {
-            const double periods = cycle.gap > 1.5 * span.period ? cycle.gap / span.period : 1;
-            const double jump = (cycle.force - cycles[i - 1].force).norm() / periods;
-            result.jumps += jump > limits.jump;
-            if (jump > result.jump) result.jump = jump, result.jump_at = cycle.t;
-        }
+        if (i > 0) judge_pair(cycles[i - 1], cycle, span, limits, result);
         const Terrain::Foot& foot = feet[i];
         touched = touched || foot.distance < 0;
         if (!touched) continue;
-
-        ++judged;
-        inside += foot.distance < 0;
         if (i > 0 && foot.distance < 0 && feet[i - 1].distance < 0)
             result.travel += (foot.point - feet[i - 1].point).norm();
-        const Eigen::Vector3d wanted = true_force(foot, ideal);
-        squares += (cycle.force - wanted).squaredNorm();
-        forces += wanted.norm();
-        if (const double away = cycle.velocity.dot(foot.normal); away > result.kick)
-            result.kick = away, result.kick_at = cycle.t;
-        if (cycle.t >= span.rest_at + settling) {
-            lowest = resting ? std::min(lowest, foot.distance) : foot.distance;
-            highest = resting ? std::max(highest, foot.distance) : foot.distance;
-            resting = true;
-        }
+        touch.add(cycle, foot, ideal, span, result);
     }
-    if (judged > 0) {
-        const auto n = static_cast<double>(judged);
-        result.force_error = std::sqrt(squares / n);
-        result.mean_force = forces / n;
-        result.contact_share = static_cast<double>(inside) / n;
-        result.contact = static_cast<double>(inside) * span.period;
-    }
-    if (resting) result.limit_cycle = 0.5 * (highest - lowest);
+    touch.sum_up(span, result);
     return result;
 }
 

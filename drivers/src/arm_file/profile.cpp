@@ -44,6 +44,7 @@ bool moves_the_tip(const SimProfile& profile, std::size_t axis) {
 
 }  // namespace
 
+// NOLINTNEXTLINE(readability-function-cognitive-complexity): one default after the other, each said
 SimProfile sim_profile_of(const ArmFile& arm, std::vector<std::string>* assumed) {
     Assumed known(assumed);
     SimProfile p;

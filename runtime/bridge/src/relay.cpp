@@ -362,6 +362,47 @@ void Relay::tick(std::int64_t now) {
     }
 }
 
+// What one event of epoll asks for. What ends the round is noted in `happened`.
+void Relay::serve(const epoll_event& event, std::int64_t now, Happened& happened) {
+    const auto what = static_cast<Source>(event.data.u64 >> 56);
+    const auto which = static_cast<std::size_t>(event.data.u64 >> 32 & 0xffffff);
+    const auto use = static_cast<std::uint32_t>(event.data.u64);
+    const bool there = which < places && places_[which].peer && places_[which].use == use;
+    switch (what) {
+        case Source::signals:
+            happened.told = true;  // after the others, since a device's edge comes once
+            break;
+        case Source::listener:
+            accept_all(now);
+            break;
+        case Source::datagrams:
+            take_datagrams(now);
+            break;
+        case Source::device:
+            serve_device(which, now);
+            break;
+        case Source::servo:
+            happened.gone = true;
+            break;
+        case Source::peers_servo:
+            if (!there) break;
+            // When the servo dies its sockets close one after the other, so which of the two cases it
+            // is shows later.
+            places_[which].peer->say_gone(detail::format(
+                "servo '{}' has gone, or has closed this connection; start it again", options_.servo));
+            close(which, Error::Kind::disconnected, "");
+            break;
+        case Source::peers_assets:
+            if (there) serve_assets(which, now);
+            break;
+        case Source::peer:
+            // Once per round; the rest is still there in the next round.
+            if (there && places_[which].round != round_ && !places_[which].peer->unfinished())
+                serve_peer(which, now);
+            break;
+    }
+}
+
 void Relay::run(int signals) {
     watch(signals, EPOLLIN, source(Source::signals), EPOLL_CTL_ADD);
     for (std::array<epoll_event, 64> events;;) {
@@ -379,53 +420,13 @@ void Relay::run(int signals) {
         if (count < 0 && errno != EINTR)
             throw std::runtime_error(detail::format("epoll_wait: {}", std::strerror(errno)));
         now = detail::monotonic_ns();
-        bool gone = false, told = false;
+        Happened happened;
         ++round_;
         serve_unfinished(now);
-        for (int i = 0; i < count; ++i) {
-            const epoll_event& event = events[static_cast<std::size_t>(i)];
-            const auto what = static_cast<Source>(event.data.u64 >> 56);
-            const auto which = static_cast<std::size_t>(event.data.u64 >> 32 & 0xffffff);
-            const auto use = static_cast<std::uint32_t>(event.data.u64);
-            const bool there = which < places && places_[which].peer && places_[which].use == use;
-            switch (what) {
-                case Source::signals:
-                    told = true;  // after the others, since a device's edge comes once
-                    break;
-                case Source::listener:
-                    accept_all(now);
-                    break;
-                case Source::datagrams:
-                    take_datagrams(now);
-                    break;
-                case Source::device:
-                    serve_device(which, now);
-                    break;
-                case Source::servo:
-                    gone = true;
-                    break;
-                case Source::peers_servo:
-                    if (!there) break;
-                    // When the servo dies its sockets close one after the other, so which of the two cases it
-                    // is shows later.
-                    places_[which].peer->say_gone(
-                        detail::format("servo '{}' has gone, or has closed this connection; start it again",
-                                       options_.servo));
-                    close(which, Error::Kind::disconnected, "");
-                    break;
-                case Source::peers_assets:
-                    if (there) serve_assets(which, now);
-                    break;
-                case Source::peer:
-                    // Once per round; the rest is still there in the next round.
-                    if (there && places_[which].round != round_ && !places_[which].peer->unfinished())
-                        serve_peer(which, now);
-                    break;
-            }
-        }
+        for (int i = 0; i < count; ++i) serve(events[static_cast<std::size_t>(i)], now, happened);
         out_.flush();
-        if (gone) servo_gone();
-        if (told) return watch(signals, 0, 0, EPOLL_CTL_DEL);
+        if (happened.gone) servo_gone();
+        if (happened.told) return watch(signals, 0, 0, EPOLL_CTL_DEL);
         if (now - last_tick_ns_ >= tick_ns) tick(now);
     }
 }

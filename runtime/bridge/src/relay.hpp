@@ -16,6 +16,8 @@
 #include "peer.hpp"
 #include "receive_batch.hpp"
 
+struct epoll_event;
+
 namespace knurl::bridge {
 
 struct RelayOptions {
@@ -62,6 +64,11 @@ class Relay {
     void serve_peer(std::size_t place, std::int64_t now);
     void serve_unfinished(std::int64_t now);
     bool anyone_unfinished() const;
+    struct Happened {
+        bool gone = false;  // the servo
+        bool told = false;  // by a signal, to end
+    };
+    void serve(const epoll_event& event, std::int64_t now, Happened& happened);
     void serve_assets(std::size_t place, std::int64_t now);
     void serve_device(std::size_t device, std::int64_t now);
     void follow(std::size_t place);  // updates the events that wake it

@@ -187,6 +187,7 @@ void TlsSession::Impl::explain(unsigned long error) noexcept try {
     reason.clear();
 }
 
+// NOLINTNEXTLINE(readability-function-cognitive-complexity): a table of reasons
 std::string TlsSession::Impl::sentence(unsigned long error) {
     const char* openssl = ERR_reason_error_string(error);
     const std::string detail = openssl ? " (" + std::string(openssl) + ")" : "";

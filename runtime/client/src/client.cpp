@@ -90,8 +90,8 @@ Claim::Claim(std::shared_ptr<detail::ClaimState> state) : Observer(state), state
 Claim& Claim::operator=(Claim&& other) noexcept {
     if (this != &other) {
         if (state_) state_->close();
+        state_ = std::move(other.state_);  // before the base takes its part: `other` is whole until then
         Observer::operator=(std::move(other));
-        state_ = std::move(other.state_);
     }
     return *this;
 }

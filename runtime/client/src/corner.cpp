@@ -78,6 +78,7 @@ void add_if_independent(Set& faces, const Face& face) {
 
 /// The corner's faces as the model has them beside it: more than given if there is a third; none if there is
 /// no such corner.
+// NOLINTNEXTLINE(readability-function-cognitive-complexity): one iteration; its exits are what it decides
 std::optional<Set> confirmed(Set faces, const Vector3d& p, Questions& questions) {
     const double metre = questions.metre();
     for (int round = 0; round < rounds; ++round) {

@@ -68,6 +68,7 @@ void simplify(std::span<const Point3> vertices, std::vector<std::uint32_t>& ring
 
 }  // namespace
 
+// NOLINTNEXTLINE(readability-function-cognitive-complexity): one pass of ear clipping
 Cutter::Shape Cutter::cut(std::span<const Point3> vertices, std::span<const std::uint32_t> polygon,
                           std::vector<knurl::Triangle>& out) {
     bent_ = 0;

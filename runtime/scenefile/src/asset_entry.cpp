@@ -90,6 +90,7 @@ std::span<const KeyInfo> asset_keys() noexcept {
     return keys;
 }
 
+// NOLINTNEXTLINE(readability-function-cognitive-complexity): a table's keys, one after the other
 AssetEntry read_asset(const std::string& path, std::size_t number, const toml::table& table) {
     const std::string called = fmt::format("asset {}", number);
     AssetEntry asset;

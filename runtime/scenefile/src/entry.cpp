@@ -153,6 +153,7 @@ AddOptions options_of(const Entry& entry) {
     return options;
 }
 
+// NOLINTNEXTLINE(readability-function-cognitive-complexity): a table's keys, one after the other
 Entry read_entry(const std::string& path, Kind kind, const toml::table& table) {
     const KindInfo& info = kinds()[kind];
     Entry entry;

@@ -183,6 +183,7 @@ class Resolver {
 
 }  // namespace
 
+// NOLINTNEXTLINE(readability-function-cognitive-complexity): a file's tables, one after the other
 SceneFile parse_scene(std::string_view text, const std::string& path) {
     toml::table root;
     try {

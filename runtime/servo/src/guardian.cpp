@@ -86,6 +86,7 @@ class StopWatch {
 };
 
 /// The guardian's main loop. Returns when nothing is left to guard.
+// NOLINTNEXTLINE(readability-function-cognitive-complexity): one loop over what may happen, each with its answer
 void keep_watch(std::vector<Watched>& devices, Board& board, int line, int servo_pidfd,
                 const StopWatch& servo, const std::string& state_directory) {
     MonotonicClock clock;

@@ -184,7 +184,7 @@ OfflineClaim& Offline::claim(const protocol::ClaimCapacity& capacity) {
         terms.limits.period = 1 / options_.rate;
     else
         terms.limits = limits_for(device_.link(), options_.rate, terms.frame);
-    return claim(std::move(terms));
+    return claim(terms);
 }
 
 OfflineClaim& Offline::claim(ClaimTerms terms) {
