@@ -108,7 +108,7 @@ TEST_F(BodiesProgram, SaysThatTheEngineHasLostABodyAndEndsWithAFailure) {
     const Outcome lost = run({KNURL_BODIES_PROGRAM, "--demo", "--lose-at", "1"});
     EXPECT_EQ(lost.code, 1);
     EXPECT_THAT(lost.err, HasSubstr("the engine has lost the slab"));
-    EXPECT_THAT(lost.err, HasSubstr("all was let go"));
+    EXPECT_THAT(lost.err, HasSubstr("let go of everything"));
 }
 
 TEST_F(BodiesProgram, SaysWhatIsWrong) {

@@ -138,7 +138,7 @@ TEST_F(Hostile, callers_of_several_hosts_give_up_a_place_to_one_of_another) {
             silent.push_back(dial_from(host, bridge.port()));
     FrameStream stream(dial(bridge), false);
     greet(stream);
-    says(bridge.line(), "somebody else waits");
+    says(bridge.line(), "another caller waits");
     says(bridge.line(), "in, role control");
     EXPECT_TRUE(hung_up(silent.front(), 0)) << "the oldest";
 }

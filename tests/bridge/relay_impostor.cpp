@@ -198,7 +198,7 @@ TEST(Impostor, what_it_says_of_itself_and_its_devices) {
         {"a refusal without an end", framed(FrameType::refused, 0, raw(shouting)), Error::Kind::exhausted,
          "????"},
         {"a refusal without a word", framed(FrameType::refused, 0, raw(mute)), Error::Kind::no_servo,
-         "does not say why"},
+         "without a reason"},
     };
     for (const Lie& lie : lies) {
         SCOPED_TRACE(lie.what);
