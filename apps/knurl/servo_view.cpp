@@ -14,6 +14,7 @@
 #include <sys/stat.h>
 
 #include <knurl/protocol/text.hpp>
+#include <knurl/reps/kind.hpp>
 #include <knurl/shm/broadcast_ring.hpp>
 #include <knurl/shm/counters.hpp>
 #include <knurl/shm/socket.hpp>
@@ -72,7 +73,8 @@ std::optional<ClientView> read_row(const protocol::ClientRow& row) {
     view.refused = word(row.refused);
     view.merged = word(row.merged);
     view.missed = word(row.missed);
-    for (const auto& count : row.present) view.present.push_back(word(count));
+    for (std::size_t kind = 0; kind < kinds().size(); ++kind)
+        view.present.push_back(word(row.present[kind]));
     return view;
 }
 

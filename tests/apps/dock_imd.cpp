@@ -98,7 +98,7 @@ TEST(Imd, LetsGoWhenWhatComesMakesNoSense) {
 TEST(Imd, SaysWhatIsWrongWithASimulation) {
     EXPECT_THAT(complaint({.version = 3}), HasSubstr("version 3"));
     EXPECT_THAT(complaint({.swapped = true, .version = 3}), HasSubstr("version 3"));
-    EXPECT_THAT(complaint({.greets = false}), HasSubstr("says nothing"));
+    EXPECT_THAT(complaint({.greets = false}), HasSubstr("sends nothing"));
     EXPECT_THAT(complaint({.handshake_bytes = 5}), HasSubstr("before IMD's handshake"));
     EXPECT_THAT(complaint({.handshake_bytes = 0}), HasSubstr("before IMD's handshake"));
     EXPECT_THAT(complaint({.cut_at = 3}), HasSubstr("within a message"));
