@@ -144,7 +144,8 @@ def draw_factors(tables):
     axes.set_yscale("log")
     axes.set_xticks(rates, [f"{r:g}" for r in rates])
     axes.minorticks_off()
-    axes.set_xlabel("application rate, Hz: force error, N (dashed: harsh)", fontsize=8)
+    axes.set_xlabel("application rate, Hz", fontsize=8)
+    axes.set_ylabel("force error, N (dashed: harsh)", fontsize=8, color=FAINT, labelpad=1)
     plain(axes)
     for i in (0, 3, 6):
         panels[i].set_ylabel("stable stiffness, N/m", fontsize=8, color=FAINT)
