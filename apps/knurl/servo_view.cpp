@@ -73,8 +73,7 @@ std::optional<ClientView> read_row(const protocol::ClientRow& row) {
     view.refused = word(row.refused);
     view.merged = word(row.merged);
     view.missed = word(row.missed);
-    for (std::size_t kind = 0; kind < kinds().size(); ++kind)
-        view.present.push_back(word(row.present[kind]));
+    for (std::size_t kind = 0; kind < kinds().size(); ++kind) view.present.push_back(word(row.present[kind]));
     return view;
 }
 
