@@ -1,7 +1,9 @@
 // Touching surfaces hold the hand like one: a hand that is pressed into a surface and slides on to its
 // neighbour, or against a wall that stands on it. Flat surfaces; seams_of_shapes.cpp has the others.
 
+#include <algorithm>
 #include <iostream>
+#include <vector>
 
 #include "seam_tools.hpp"
 
@@ -34,6 +36,56 @@ TEST(Seams, AHandInACornerIsHeldByBoth) {
     all_pairs(" with ", [](Kind a, Kind b, Rng& rng, Counts& counts) {
         into_a_corner(a, b, approaches(1100), rng, counts);
     });
+}
+
+// Pressed into a soft surface, over the seam, further in and out, lifted. The hard surface takes hold without a
+// step, and what the hand has put in over the soft one it does not get back twice over the hard one.
+TEST(Seams, OnToAHarderNeighbourTheHandSlidesWithoutAStepAndGainsNothing) {
+    Rng rng(seed());
+    double lost = 0, gained = 0;
+    for (std::uint64_t round = 0; round < approaches(2000); ++round) {
+        const Kind kind_a = flat_kinds[static_cast<std::size_t>(between(rng, 0, 2))];
+        const Kind kind_b = flat_kinds[static_cast<std::size_t>(between(rng, 0, 2))];
+        const Pose pose = any_pose(rng);
+        const Face a{pose, {-0.05, -0.05, 0}, {0, 0.05, 0}}, b{pose, {0, -0.05, 0}, {0.05, 0.05, 0}};
+        const double soft = log_uniform(rng, 100, 1000), hard = soft * log_uniform(rng, 1.1, 10);
+        Scene scene = room();
+        const auto add_as_hard = [&](std::uint32_t slot, Kind kind, const Face& face, double stiffness) {
+            put(kind, face, 0.05, slot == 0, [&](auto surface) {
+                surface.stiffness = stiffness;
+                ASSERT_TRUE(scene.add({slot, 1}, surface));
+            });
+        };
+        add_as_hard(0, kind_a, a, soft);
+        add_as_hard(1, kind_b, b, hard);
+        std::vector<Vector> way{{-3e-3, 0, 1e-3}};
+        const double depth = uniform(rng, 1e-3, 4e-3);
+        way.push_back({-3e-3, 0, -depth});
+        way.push_back({3e-3, 0, -uniform(rng, 1e-3, 4e-3)});
+        for (int i = between(rng, 0, 3); i > 0; --i)
+            way.push_back({uniform(rng, 1e-3, 5e-3), uniform(rng, -1e-3, 1e-3), -uniform(rng, 0, 5e-3)});
+        way.push_back({3e-3, 0, 1e-3});
+        double work = 0, steepest = 0;
+        Vector before = way[0], last = Vector::Zero();
+        for (std::size_t leg = 1; leg < way.size(); ++leg) {
+            for (int i = 1; i <= 400; ++i) {
+                const Vector p = way[leg - 1] + i / 400.0 * (way[leg] - way[leg - 1]);
+                const Vector force = pose.turn.conjugate() * scene.evaluate(at(pose(p)), dt).force;
+                work += (force + last).dot(p - before) / 2;
+                steepest = std::max(steepest, (force - last).norm() / (p - before).norm());
+                last = force;
+                before = p;
+            }
+        }
+        ASSERT_EQ(last.norm(), 0);
+        // The trapezoidal rule is exact but for the cycles in which a force begins or ends.
+        ASSERT_LE(work, 1e-6) << "J; seed " << seed() << " round " << round;
+        ASSERT_LE(steepest, hard * (1 + 1e-6)) << "N/m; seed " << seed() << " round " << round;
+        gained = std::max(gained, work);
+        lost = std::max(lost, -work);
+    }
+    std::cout << "lost at most " << lost << " J, gained " << gained << " J, KNURL_SEED=" << seed() << '\n';
+    EXPECT_LE(lost, 1e-6) << "J: it gives back what the hand put in";
 }
 
 // The order of addition makes no difference.

@@ -95,6 +95,7 @@ struct ContactSet {
     bool has_tangential = false;          // a member has a tangential part
     bool curved = false;                  // has several members, of which one may be curved
     bool follows = false;                 // a member is entered and left: see ProxyPath
+    bool gaps = false;                    // a member may have a gap: see scene_gaps.cpp
     std::array<Vec3, 3> corner{};         // of the softest layer, if joined: the active normals
     bool left_out = false;                // in the last evaluation, members were out of reach
     double slack = 0;                     // m, added to their bounds: the proxy may get so far
@@ -300,6 +301,7 @@ class ContactSets {
 
     double stiffness_of(Owner owner, std::uint32_t probe) const noexcept;
     double weight_of(Owner owner) const noexcept;
+    double gap_above(Owner owner) const noexcept;
     std::uint32_t parts_of(Owner owner) const noexcept;
     bool stands(Owner owner) const noexcept;
 

@@ -3,6 +3,7 @@
 // probe that satisfies them all, layered by stiffness, and blends the force of the set with that of the
 // fading one.
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <new>
@@ -41,6 +42,17 @@ struct PlanesApart {
     };
     std::array<Plane, 8> plane;  // further solids hold by one plane in all layers
     std::uint32_t count = 0;
+
+    bool full() const noexcept { return count == plane.size(); }
+    bool has(std::uint32_t member) const noexcept {
+        return std::any_of(plane.begin(), plane.begin() + count,
+                           [member](const Plane& kept) { return kept.member == member; });
+    }
+    /// Keeps the member's plane, which is about to be replaced.
+    void keep(const Arena& a, std::uint32_t i) noexcept {
+        plane[count++] = {i, a.nx[i], a.ny[i], a.nz[i], a.s[i]};
+    }
+    void put_back(Arena& arena) const noexcept;
 };
 
 /// The joint contact of curved surfaces: see scene_curved.cpp.
@@ -54,7 +66,6 @@ class CurvedStage {
     /// plane in place of theirs. True: there is one.
     bool put_planes_alone(Arena& arena, const ContactSet& set, const Probe& probe, std::uint32_t j,
                           PlanesApart& apart) const noexcept;
-    static void put_back(Arena& arena, const PlanesApart& apart) noexcept;
     /// At the end of a cycle the surfaces learn where they hold. Within the cycle, a repeated evaluation
     /// gives the same answer.
     void lean(const ContactSet& set, const Probe& probe) noexcept;
@@ -121,6 +132,7 @@ struct Lead {
         Eigen::Vector3d::Zero();                      // m, world: where the probe was in the last timed cycle
     Eigen::Vector3d place = Eigen::Vector3d::Zero();  // m, from the probe: surfaces near this place count
     std::uint32_t deepest = 0;                        // the member that overlaps the probe most
+    std::array<Eigen::Vector3d, max_layers> proxies{};  // m, world: of the layers in the last cycle
 };
 
 class ContactStage {
@@ -185,11 +197,17 @@ class ContactStage {
     const Layer* solve_or_rest(ContactSet& set, const Probe& probe, double dt, double standing,
                                double& worst) noexcept;
     void fill_path(const ContactSet& set, std::uint32_t member) noexcept;
+    static bool holds_harder(const ContactSet& set, std::uint32_t member, std::uint32_t count) noexcept;
     void pass_along(ContactSet& set, const Probe& probe, ProxyPath::Stage stage) noexcept;
     std::uint32_t count_close(ContactSet& set, const Probe& probe, const Eigen::Vector3d& place) noexcept;
     const Layer* brush(ContactSet& set, const Probe& probe, double dt, double standing, double& worst,
                        const Layer* top) noexcept;
     void remember_proxy(ContactSet& set) noexcept;
+
+    // scene_gaps.cpp
+    void begin_gap(ContactSet& set, const Eigen::Vector3d& probe, Record& r, std::uint32_t member) noexcept;
+    bool lower_by_gaps(const ContactSet& set, const Layer& layer, PlanesApart& apart) noexcept;
+    void close_gaps(ContactSet& set) noexcept;
 
     SceneState& state_;
     ContactSets& sets_;

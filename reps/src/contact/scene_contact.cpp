@@ -169,6 +169,7 @@ const Layer* ContactStage::solve(ContactSet& set, const Probe& probe, double wor
         if (j > 0 && layer.count < set.layer[j - 1].count) {
             worst = worst_of(a, begin, layer.count);
         }
+        if (set.gaps && j > 0 && lower_by_gaps(set, layer, apart)) worst = worst_of(a, begin, layer.count);
         const ContactPlanes planes{&a.nx[begin], &a.ny[begin], &a.nz[begin], &a.s[begin], layer.count};
         // The give of contradictory planes that stand still is found once, as exactly as distances round at
         // the probe's place. It is found again where the violation has halved. Moving planes are solved
@@ -185,7 +186,7 @@ const Layer* ContactStage::solve(ContactSet& set, const Probe& probe, double wor
         below = layer.stiffness;
         if (layer.solution.active.count > 0) top = &layer;
     }
-    if (set.curved) CurvedStage::put_back(a, apart);
+    apart.put_back(a);
     set.infeasible = infeasible;
     return top;
 }
@@ -354,7 +355,11 @@ void ContactStage::stay_clear(ContactState& contact, const Vector3d& p) const no
     contact.force = force;
     if (state_.any_follows && dt > 0) {
         remember_proxy(contact.now);
-        if (contact.fade.under_way) remember_proxy(contact.old);
+        close_gaps(contact.now);
+        if (contact.fade.under_way) {
+            remember_proxy(contact.old);
+            close_gaps(contact.old);
+        }
     }
     contact.position = probe.position;
     if (!contact.tangential.needed() || (force.isZero(0) && contact.tangential.rests())) return force;

@@ -390,14 +390,13 @@ bool CurvedStage::put_planes_alone(Arena& a, const ContactSet& set, const Probe&
     CurvedContact found;
     for (std::uint32_t m = set.moving_begin; m < set.moving_begin + set.moving_count; ++m) {
         const std::uint32_t i = a.moving[m].member;
-        if (i >= set.begin + layer.count || apart.count == apart.plane.size()) continue;
+        if (i >= set.begin + layer.count || apart.full()) continue;
         const Owner owner = a.owner[i];
         const Record& r = state_.records[owner];
         const KindOps& ops = kind_ops()[r.kind];
         if (!ops.plane_alone || !ops.plane_alone(r, probe, layer.stiffness, found)) continue;
-        const auto same = [i](const PlanesApart::Plane& plane) { return plane.member == i; };
-        if (std::any_of(apart.plane.begin(), apart.plane.begin() + apart.count, same)) continue;
-        apart.plane[apart.count++] = {i, a.nx[i], a.ny[i], a.nz[i], a.s[i]};
+        if (apart.has(i)) continue;
+        apart.keep(a, i);
         const double height = found.height + relief_at(owner, i, 0);
         a.nx[i] = found.normal.x();
         a.ny[i] = found.normal.y();
@@ -408,13 +407,12 @@ bool CurvedStage::put_planes_alone(Arena& a, const ContactSet& set, const Probe&
     return any;
 }
 
-void CurvedStage::put_back(Arena& a, const PlanesApart& apart) noexcept {
-    for (std::uint32_t k = 0; k < apart.count; ++k) {
-        const PlanesApart::Plane& plane = apart.plane[k];
-        a.nx[plane.member] = plane.nx;
-        a.ny[plane.member] = plane.ny;
-        a.nz[plane.member] = plane.nz;
-        a.s[plane.member] = plane.s;
+void PlanesApart::put_back(Arena& a) const noexcept {
+    for (std::uint32_t k = 0; k < count; ++k) {
+        a.nx[plane[k].member] = plane[k].nx;
+        a.ny[plane[k].member] = plane[k].ny;
+        a.nz[plane[k].member] = plane[k].nz;
+        a.s[plane[k].member] = plane[k].s;
     }
 }
 

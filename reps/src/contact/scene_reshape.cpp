@@ -66,6 +66,7 @@ void ContactSets::copy_to_old(ContactState& contact) noexcept {
     old.has_tangential = now.has_tangential;
     old.curved = now.curved;
     old.follows = now.follows;
+    old.gaps = now.gaps;
     old.scale = now.scale;
     for (std::uint32_t j = 0; j < now.layers; ++j) old.layer[j] = now.layer[j];
 }

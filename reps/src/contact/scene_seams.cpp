@@ -28,6 +28,7 @@ void ContactStage::begin_path(const ContactState& contact, const ContactSet& set
     lead_ = {.contact = &contact, .on = true, .fades = &set == &contact.old, .before = before};
     lead_.lone = set.moving_count == 1 && set.standing == 0;
     lead_.led = !set.held.isZero(0) && !(lead_.lone && is_held_by_first(set));
+    for (std::uint32_t j = 0; j < set.layers; ++j) lead_.proxies[j] = set.layer[j].proxy;
     path_.entered = path_.left = path_.grazed = false;
     path_.beside = true;
     path_.hand = world_length(seam_of_hand, state_.limits);
@@ -76,6 +77,18 @@ void ContactStage::fill_path(const ContactSet& set, std::uint32_t member) noexce
     path_.joined = solution.active.count > own;
     path_.to = solution.dx;
     if (own > 0 && !path_.joined) path_.to.setZero();  // its foot is the probe's
+    path_.holds_harder = set.gaps && holds_harder(set, member, contacts);
+}
+
+// Does a harder layer hold its proxy by one of these members?
+bool ContactStage::holds_harder(const ContactSet& set, std::uint32_t member, std::uint32_t count) noexcept {
+    for (std::uint32_t j = 1; j < set.layers; ++j) {
+        const ActiveSet& active = set.layer[j].solution.active;
+        for (std::uint32_t k = 0; k < active.count; ++k) {
+            if (active.plane[k] + set.begin - member < count) return true;
+        }
+    }
+    return false;
 }
 
 // Offers the path to all surfaces within reach. If one answers, its layers must be solved again.
@@ -92,7 +105,9 @@ void ContactStage::pass_along(ContactSet& set, const Probe& probe, Stage stage) 
         const bool evaluates = stage == Stage::look || stage == Stage::near || stage == Stage::overlap;
         if (stage != Stage::near && lead_.fades && !state_.records.fades_out(owner)) continue;
         if (!evaluates) {
+            const bool held = a.s[member] > -std::numeric_limits<double>::infinity();
             evaluate_member(set, probe, 0, member);
+            if (stage == Stage::enter && !held) begin_gap(set, probe.position, r, member);
             continue;
         }
         fill_path(set, member);

@@ -108,6 +108,11 @@ double ContactSets::weight_of(Owner o) const noexcept {
 bool ContactSets::stands(Owner o) const noexcept {
     return o == frozen_plane_owner || state_.records[o].stands;
 }
+// Up to this share of its stiffness a surface holds by its face itself; 0: it has no gap.
+double ContactSets::gap_above(Owner o) const noexcept {
+    if (o == frozen_plane_owner || !(state_.records[o].gap.depth > 0)) return 0;
+    return state_.records[o].gap.softer;
+}
 std::uint32_t ContactSets::parts_of(Owner o) const noexcept {
     return stands(o) ? 1 : kind_ops()[state_.records[o].kind].contacts;
 }
@@ -136,6 +141,7 @@ void ContactSets::sort_into_layers(ContactSet& set, std::uint32_t p, std::span<c
             ++set.summed;
         } else {
             levels.take(k);
+            if (const double softer = gap_above(o); softer > 0) levels.take(softer * k);
         }
         set.has_tangential =
             set.has_tangential ||
@@ -197,7 +203,7 @@ void ContactSets::build(ContactSet& set, std::uint32_t p, Arena& into,
     set.count = set.standing = set.summed = set.layers = 0;
     set.moving_begin = into.moving_used;
     set.moving_count = set.room = set.moving_room = set.inside = 0;
-    set.infeasible = set.has_tangential = set.curved = set.follows = false;
+    set.infeasible = set.has_tangential = set.curved = set.follows = set.gaps = false;
     if (owners.empty()) {
         set.force.setZero();
         set.held.setZero();
@@ -225,6 +231,7 @@ void ContactSets::build(ContactSet& set, std::uint32_t p, Arena& into,
         } else {
             put_moving(p, into, o, at);
             set.follows = set.follows || kind_ops()[state_.records[o].kind].follows;
+            set.gaps = set.gaps || gap_above(o) > 0;
             set.curved = set.curved || (!summed && kind_ops()[state_.records[o].kind].curved);
         }
         if (o != frozen_plane_owner && is_now) slots_[o >> 1].member = at;

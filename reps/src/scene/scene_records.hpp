@@ -38,12 +38,20 @@ struct RecordLine {
 };
 static_assert(sizeof(RecordLine) == 64);
 
+/// A surface that the proxy of a softer layer has entered while that of a harder one lay deeper. For that one
+/// the surface lies lower, until it rises: see scene_gaps.cpp.
+struct Gap {
+    double depth = 0;   // m, below its face
+    double softer = 0;  // share of its own stiffness: the layers up to it are held by the face itself
+};
+
 struct RecordHead : RecordLine {
     AddOptions options;
     // The last cycle in which it was evaluated, or caught up. In the same cycle it is evaluated with dt = 0.
     std::uint64_t evaluated_cycle = 0;
     double moved = 0;  // s, of its scene's time: its motion is computed up to here, if it turns
     Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // m/s, of the surface
+    Gap gap;
 };
 
 /// The tangential part of a surface, beside its record, so that only surfaces with such a part touch this

@@ -138,7 +138,8 @@ class Beside {
     void look() noexcept {
         if (state_.face != 0) {
             const Vector3d to = there(path_.to);
-            state_.out = is_back() && -Face(state_.face).depth(to, half_) > off_of_seam * seam_;
+            state_.out =
+                is_back() && !path_.holds_harder && -Face(state_.face).depth(to, half_) > off_of_seam * seam_;
             if (state_.out == 0 && !holds(to, slack())) path_.left = true;
             if (state_.handed != 0 && holds(to, 0)) state_.handed = 0;
             state_.last = to_plain(to);

@@ -171,7 +171,8 @@ class Beside {
     void look() noexcept {
         if (state_.touched != 0) {
             const Vector3d to = q_ + path_.to;
-            state_.out = is_back() && state_.touched * outline_.height(to) > off_of_seam * seam_;
+            state_.out = is_back() && !path_.holds_harder &&
+                         state_.touched * outline_.height(to) > off_of_seam * seam_;
             if (state_.out == 0 && !holds(to, slack())) path_.left = true;
             if (state_.handed != 0 && holds(to, 0)) state_.handed = 0;
             state_.last = to_plain(to);

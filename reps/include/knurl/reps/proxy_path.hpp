@@ -74,6 +74,8 @@ struct ProxyPath {
     bool passes = false;
     /// True: another surface holds the probe too.
     bool joined = false;
+    /// True: it holds the proxy of a harder layer, so it is not left yet.
+    bool holds_harder = false;
     /// True: there are other surfaces, or have been.
     bool beside = false;
     /// In `look`: a surface that is not flat may answer by another plane from now on.

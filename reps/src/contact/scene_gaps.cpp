@@ -1,0 +1,84 @@
+// Surfaces of unequal stiffness: a harder surface is entered by the proxy of all surfaces together, which is
+// that of the softest layer. The proxies of harder layers are held by fewer surfaces, so they may lie deeper:
+//
+//        soft          | hard               x0: proxy of the layer of both, slides on to the hard surface
+//      ======== x0 --->|======== face       x1: proxy of the layer of the hard one alone: nothing has held it
+//               :      |
+//               x1 - ->| - - - - lowered    `gap` under the face it holds x1, too
+//
+// If the hard surface took hold of x1 by its face, the force would step, and the hand that slides in deep and
+// is pushed out would gain k1 - k0 times half the square of that depth. So the face lies lower for x1, by as
+// much as x1 lay behind it when x0 entered. Where x1 rises, the gap closes behind it: no work is done.
+
+#include <cmath>
+
+#include "contact/contact_stage.hpp"
+
+namespace knurl::detail {
+
+using Eigen::Vector3d;
+
+namespace {
+
+constexpr double nowhere = -std::numeric_limits<double>::infinity();
+
+bool holds_below(const ContactSet& set, const Layer& layer, const Record& r) noexcept {
+    return layer.stiffness > r.gap.softer * r.stiffness * own_weight(set, r.weight) * (1 + 1e-12);
+}
+
+}  // namespace
+
+// The surface has just been entered. The layers are solved without it still.
+void ContactStage::begin_gap(ContactSet& set, const Vector3d& p, Record& r, std::uint32_t i) noexcept {
+    const Arena& a = sets_.arena();
+    r.gap = {};
+    if (set.layers < 2 || !(a.s[i] > nowhere)) return;
+    const Vector3d n(a.nx[i], a.ny[i], a.nz[i]);
+    // One that was in front until now has come to the face with the others.
+    for (std::uint32_t j = 1; j < set.layers && i - set.begin < set.layer[j].count; ++j) {
+        const double now = a.s[i] - n.dot(set.layer[j].solution.dx);
+        const double before = a.s[i] - n.dot(lead_.proxies[j] - p);
+        r.gap.depth = std::max(r.gap.depth, std::min(now, before));
+    }
+    if (!(r.gap.depth > 0)) return;
+    r.gap.softer = set.layer[0].stiffness / (r.stiffness * own_weight(set, r.weight));
+    set.gaps = true;
+}
+
+// Before this layer is solved, and those above it. True: there is one.
+bool ContactStage::lower_by_gaps(const ContactSet& set, const Layer& layer, PlanesApart& apart) noexcept {
+    Arena& a = sets_.arena();
+    bool any = false;
+    for (std::uint32_t m = set.moving_begin; m < set.moving_begin + set.moving_count; ++m) {
+        const std::uint32_t i = a.moving[m].member;
+        if (i - set.begin >= layer.count || !(a.s[i] > nowhere)) continue;
+        const Record& r = state_.records[a.owner[i]];
+        if (!(r.gap.depth > 0) || !holds_below(set, layer, r) || apart.full() || apart.has(i)) continue;
+        apart.keep(a, i);
+        a.s[i] -= r.gap.depth;
+        any = true;
+    }
+    return any;
+}
+
+// At the end of a cycle: within it, a repeated evaluation gives the same answer.
+void ContactStage::close_gaps(ContactSet& set) noexcept {
+    if (!set.gaps) return;
+    const Arena& a = sets_.arena();
+    set.gaps = false;
+    for (std::uint32_t m = set.moving_begin; m < set.moving_begin + set.moving_count; ++m) {
+        const std::uint32_t i = a.moving[m].member;
+        Record& r = state_.records[a.owner[i]];
+        if (!(r.gap.depth > 0)) continue;
+        const Vector3d n(a.nx[i], a.ny[i], a.nz[i]);
+        double deepest = 0;
+        for (std::uint32_t j = 0; j < set.layers && i - set.begin < set.layer[j].count; ++j) {
+            if (holds_below(set, set.layer[j], r))
+                deepest = std::max(deepest, a.s[i] - n.dot(set.layer[j].solution.dx));
+        }
+        r.gap.depth = a.s[i] > nowhere ? std::min(r.gap.depth, deepest) : 0;
+        set.gaps = set.gaps || r.gap.depth > 0;
+    }
+}
+
+}  // namespace knurl::detail
