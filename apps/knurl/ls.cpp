@@ -44,7 +44,7 @@ void print_device(const DeviceView& device) {
     fmt::print("  {} ({}, {:g} Hz): {}", info.name, info.address, info.rate, state_name(state_of(device)));
     if (faults_of(device) != 0) {
         const std::string servo = info.servo;
-        fmt::print(" ({}; leave it with: knurl reset {}{})", fault_names(faults_of(device)), info.name,
+        fmt::print(" ({}; clear it with: knurl reset {}{})", fault_names(faults_of(device)), info.name,
                    servo == "default" ? "" : " --servo " + servo);
     }
     fmt::print(", k_max {:.4g} N/m, force {:.2f} of {:.3g} N, {} of {} cycles late\n", info.max_stiffness,

@@ -71,7 +71,8 @@ int reset(const ResetArguments& arguments) {
     for (std::uint64_t cycle = 0; cycle < reset_by + cycles;) {
         const auto report = observer.next_report(500ms);
         if (!report)
-            throw std::runtime_error(who + " has left its fault; the servo has ended or stands still");
+            throw std::runtime_error(
+                who + " has left its fault, but no report came since: the servo has ended or does not run");
         cycle = report->cycle;
         if (cycle > reset_by && report->state == DeviceState::fault)
             throw std::runtime_error(fmt::format("{} left its fault ({}) and is in fault again: {}", who,
@@ -87,7 +88,7 @@ int reset(const ResetArguments& arguments) {
 }  // namespace
 
 void add_reset(commandline::Command& program) {
-    auto& verb = program.verb("reset", "Leaves the fault of a device, whoever holds it");
+    auto& verb = program.verb("reset", "Clears the fault of a device, whoever holds it");
     auto arguments = std::make_shared<ResetArguments>();
     verb.option("device", arguments->device, "of that servo; only if it has several").type_name("DEVICE");
     verb.servo(arguments->servo, "the servo that has the device").shows_default();

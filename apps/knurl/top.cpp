@@ -139,20 +139,22 @@ void add_top(commandline::Command& program) {
     auto& verb = program.verb("top", "A servo at work, live: where its time goes, what its clients do");
     auto arguments = std::make_shared<TopArguments>();
     verb.servo(arguments->servo, "its name").shows_default().formerly("servo");
-    verb.option("--rate", arguments->hertz, "looks a second, 0.1 to 20").shows_default().type_name("HZ");
-    verb.option("--count", arguments->count, "end after so many looks; default: when interrupted")
+    verb.option("--rate", arguments->hertz, "samples per second, 0.1 to 20").shows_default().type_name("HZ");
+    verb.option("--count", arguments->count, "end after this number of samples; default: when interrupted")
         .type_name("N");
-    verb.flag("--json", arguments->json, "a line of JSON for each look");
+    verb.flag("--json", arguments->json, "a line of JSON for each sample");
     verb.footer(
         "lateness  from a cycle's deadline until the device has been read; of the newest 4095 cycles at "
         "most\n"
-        "cycle     means of one cycle in 64; sleep: the rest of the period, waking included\n"
-        "age       of the newest update when its force was written: since the report that it answers was "
-        "read\n"
+        "late      cycles whose force was written after the next deadline\n"
+        "overruns  cycles that began after the next deadline\n"
+        "cycle     mean times of the parts, measured in one cycle of 64; sleep: the rest of the period\n"
+        "age       from the read of the report that the newest update answers until its force is written\n"
         "merged    updates that another one replaced before the servo's next cycle\n"
-        "missed    reports that the client was too slow to read, as it says itself (a bridge: of itself)\n"
-        "12 merged (+3): 12 since it came, 3 since the last look. Where output is no terminal, each look "
-        "follows the last.");
+        "missed    reports that the client was too slow to read, by its own count (a bridge: its own)\n"
+        "12 merged (+3): 12 since the client connected, 3 since the last sample. Where output is no "
+        "terminal, "
+        "samples are printed one after the other.");
     verb.action([arguments] { return watch(*arguments); });
 }
 

@@ -165,7 +165,10 @@ const Rows& exit_codes() {
          "it could not, or a verdict that says no; one line on standard error"},
         {fmt::format("{}", commandline::wrong_command_line),
          "the command line makes no sense, or a file that it names is wrong"},
-        {"SIGPIPE", "the reader of a pipe has gone; the work was finished"},
+        {"130", "Ctrl-C ended `knurl-surface`, or `knurl-feel` before the servo had the mesh"},
+        {"128 + n",
+         "signal n ended the program, as a shell reports it. 141 is SIGPIPE: the reader of a pipe has gone; "
+         "the work was finished. 134 and 139 are errors of the program: report them"},
     };
     return rows;
 }

@@ -44,7 +44,7 @@ TEST(Reset, LeavesAFaultThatASuspendLeftBehind) {
     Observer observer = client.observe();
     suspend(servo, observer);
     ASSERT_TRUE(eventually([&] { return state_of(observer) == DeviceState::fault; }));
-    EXPECT_TRUE(says(knurl({"ls"}).out, "fault (clock jump; leave it with: knurl reset premium15)"));
+    EXPECT_TRUE(says(knurl({"ls"}).out, "fault (clock jump; clear it with: knurl reset premium15)"));
 
     const Outcome outcome = knurl({"reset"});
     EXPECT_EQ(outcome.code, 0) << outcome.err;

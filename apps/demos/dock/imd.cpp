@@ -129,10 +129,12 @@ void LastWord::Unmap::operator()(Shared* shared) const {
 LastWord::LastWord(int socket, const std::string& when_dead, const std::string& when_stopped) {
     void* const memory =
         ::mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-    if (memory == MAP_FAILED) throw ImdError(fmt::format("no memory: {}", std::strerror(errno)));
+    if (memory == MAP_FAILED)
+        throw ImdError(fmt::format("cannot map shared memory: {}", std::strerror(errno)));
     shared_.reset(new (memory) Shared);
     int ends[2];
-    if (::pipe2(ends, O_CLOEXEC) != 0) throw ImdError(fmt::format("no pipe: {}", std::strerror(errno)));
+    if (::pipe2(ends, O_CLOEXEC) != 0)
+        throw ImdError(fmt::format("cannot make a pipe: {}", std::strerror(errno)));
     UniqueFd theirs(ends[0]);
     alive_ = UniqueFd(ends[1]);
     const pid_t parent = ::getpid();

@@ -177,7 +177,7 @@ int run(Options& w) {
     for (const std::string& line : knurl::meshfile::notes_of(result.sent.notes)) fmt::print("  {}\n", line);
     if (result.scale > 1) fmt::print("  a metre of the device is {:.3g} m of the thing\n", result.scale);
     if (result.faults != 0)
-        fmt::print("  the device faulted (mask {:#x}): see `knurl ls`, and leave it with `knurl reset`\n",
+        fmt::print("  the device faulted (mask {:#x}): see `knurl ls`, and clear it with `knurl reset`\n",
                    result.faults);
 
     const bool comparable = w.feel.radius == 0 && w.friction == 0 && w.feel.shape.damping == 0 && !w.smooth;

@@ -122,7 +122,7 @@ class Gaps {
     }
     bool is_gap(double value) const {
         if (!std::isfinite(value) || std::abs(value) > beyond) return true;
-        // Header and cells may round it differently.
+        // Header and cells may round the value of a gap differently.
         if (value_) return std::abs(value - *value_) <= 1e-5 * std::abs(*value_);
         return !stated_ && is_usual(value);
     }

@@ -108,7 +108,7 @@ ElevationModel read_pgm(std::string_view bytes, const std::string& name) {
                     *greatest,
                     fits_swapped(model, static_cast<double>(*greatest))
                         ? "with the bytes of each swapped none is: swap them (dd conv=swab on the samples)"
-                        : "mend the header, or write the file again"));
+                        : "mend the header, or export the file again"));
         return model;
     }
     model.counts.reserve(std::min(wanted, bytes.size()));

@@ -45,7 +45,7 @@ class LiveHand {
     std::array<std::atomic<std::int64_t>, 3> counts_ = {};  // since the start, along x, y, z
     std::atomic<std::uint32_t> held_ = 0;                   // bit per key that moves: -x +x -y +y -z +z
     std::atomic<std::uint32_t> buttons_ = 0;
-    // For the cycle only.
+    // Used by the cycle alone, so they are not atomic.
     std::array<std::int64_t, 3> taken_ = {};
     Eigen::Vector3d target_ = Eigen::Vector3d::Zero(), place_ = Eigen::Vector3d::Zero();  // m
     std::thread listener_;

@@ -64,7 +64,7 @@ Stream::Stream(std::shared_ptr<Connection> connection, const Attached& attached)
     if (!loop_ || ::epoll_ctl(loop_.get(), EPOLL_CTL_ADD, socket_.get(), &event) != 0 ||
         ::epoll_ctl(loop_.get(), EPOLL_CTL_ADD, event_.get(), &event) != 0)
         throw Error(Error::Kind::refused,
-                    "no descriptor to wait for reports with; see the limit (ulimit -n)");
+                    "cannot wait for reports: no file descriptor is left; raise the limit (ulimit -n)");
 }
 
 // ---------------------------------------------------------------------------------------------- reports

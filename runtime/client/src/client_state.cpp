@@ -225,7 +225,7 @@ void ClientState::note_loss(const std::string& why) {
 void ClientState::reattach() {
     std::unique_ptr<Link> fresh;
     try {
-        // Without the lock: it may take seconds until nobody has answered.
+        // Without the lock: where nobody answers, opening takes seconds.
         if (!link_) fresh = open_link();
     } catch (const Error& error) {
         const Lock lock(mutex_);

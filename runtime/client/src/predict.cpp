@@ -123,9 +123,9 @@ Followed follow_surface(const SurfaceModel& model, const HandNow& hand, const La
     std::vector<Face> last;
     for (const SurfacePoint& face : memory.sent.all()) last.emplace_back(face, follower.rim);
 
-    // A hand inside whose nearest face looks the other way than the face of entry has passed the middle of a
-    // thin part. Nearest points do not know the face of entry, but the last face does, so the model is
-    // queried there.
+    // The hand is inside, and the nearest face looks away from the face through which it entered: it has
+    // passed the middle of a thin part. A nearest point alone cannot tell by which face the hand entered, but
+    // the face of the last update can. So the model is queried at the hand's foot on that face.
     Face here = questions.ask(p);
     for (const Face& face : last) {
         if (here.height(p) >= 0 || !opposed(here, face) || detail::is_corner(face, here, p, questions))

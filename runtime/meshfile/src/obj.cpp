@@ -100,11 +100,11 @@ class ObjReader {
         for (std::string_view word; !(word = next_word(rest)).empty(); ++n) {
             const auto value = number_of(word);
             if (!value) fail("v: " + no_number(word));
-            if (n == values.size()) fail("a vertex has more than 8 numbers; write the file again");
+            if (n == values.size()) fail("a vertex has more than 8 numbers; export the file again");
             values[n] = *value;
         }
         if (n < 3)
-            fail(fmt::format("a vertex has {} number{} instead of x, y and z; write the file again", n,
+            fail(fmt::format("a vertex has {} number{} instead of x, y and z; export the file again", n,
                              n == 1 ? "" : "s"));
         // Four: a weight. Six: a colour. Seven: both.
         if ((n == 4 || n == 7) && values[3] != 1)
@@ -142,13 +142,13 @@ class ObjReader {
             fine = slashes < 2 && (part.empty() || integer_of(part));
         }
         if (!fine)
-            fail(
-                fmt::format("f: {} is not v, v/vt, v//vn or v/vt/vn; write the file again", in_quotes(word)));
+            fail(fmt::format("f: {} is not v, v/vt, v//vn or v/vt/vn; export the file again",
+                             in_quotes(word)));
         const auto there = static_cast<long long>(soup_.vertices.size());
         const long long from_zero = *index > 0 ? *index - 1 : there + *index;
-        if (*index == 0) fail("f: a vertex has the number 0, they are counted from 1; write the file again");
+        if (*index == 0) fail("f: a vertex has the number 0, they are counted from 1; export the file again");
         if (*index < 0 && from_zero < 0)
-            fail(fmt::format("f: vertex {} is further back than the {} before it; write the file again",
+            fail(fmt::format("f: vertex {} is further back than the {} before it; export the file again",
                              *index, there));
         if (from_zero >= std::numeric_limits<std::uint32_t>::max()) out_of_range(first_, *index);
         greatest_ = std::max(greatest_, from_zero);

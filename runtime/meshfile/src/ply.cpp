@@ -61,8 +61,9 @@ class Body {
 
     void end_of_item() {
         if (const auto word = next_word(words_); !word.empty())
-            fail(fmt::format("{} behind the values that the head states for element {}; write the file again",
-                             in_quotes(word), element_->name));
+            fail(
+                fmt::format("{} behind the values that the head states for element {}; export the file again",
+                            in_quotes(word), element_->name));
     }
 
     void end() {
@@ -71,12 +72,12 @@ class Body {
             const bool blank = rest_.find_first_not_of(line_end) == rest_.npos;
             if (!blank || rest_.size() > line_end.size())
                 bad(soup_.path,
-                    fmt::format("{} bytes follow what the head counts; write the file again", rest_.size()));
+                    fmt::format("{} bytes follow what the head counts; export the file again", rest_.size()));
             return;
         }
         while (lines_.next(words_))
             if (!next_word(words_).empty())
-                bad_at(soup_, place(), "more lines than the head counts; write the file again");
+                bad_at(soup_, place(), "more lines than the head counts; export the file again");
     }
 
   private:
@@ -175,7 +176,8 @@ class PlyReader {
         if (element.count == 0 || wanted == (corners != PlyElement::absent)) return corners;
         if (wanted)
             bad(soup_.path,
-                fmt::format("element {} has no list vertex_indices; write the file again", element.name));
+                fmt::format("element {} has no list vertex_indices; export the file again with faces",
+                            element.name));
         bad(soup_.path,
             fmt::format("element {} has lists of vertices, and only face and tristrips are known; let "
                         "the program that made it write faces",
@@ -189,7 +191,7 @@ class PlyReader {
             if (p == 0) place_ = body_.place();
             if (!property.count) continue;
             if (!(values_[p] >= 0 && values_[p] < 4294967296.0) || values_[p] != std::floor(values_[p]))
-                body_.fail(fmt::format("the list {} has {:g} entries; write the file again", property.name,
+                body_.fail(fmt::format("the list {} has {:g} entries; export the file again", property.name,
                                        values_[p]));
             const bool kept = wanted == p;
             if (kept) list_.clear();
@@ -210,7 +212,7 @@ class PlyReader {
 
     std::uint32_t index(double entry) {
         if (!(entry >= 0 && entry < std::numeric_limits<std::uint32_t>::max()) || entry != std::floor(entry))
-            body_.fail(fmt::format("{:g} is no number of a vertex; write the file again", entry));
+            body_.fail(fmt::format("{:g} is no number of a vertex; export the file again", entry));
         return static_cast<std::uint32_t>(entry);
     }
 
@@ -220,7 +222,7 @@ class PlyReader {
             return;
         }
         for (const std::uint32_t v : list_) {
-            if (v == new_strip) body_.fail("a vertex has a number below 0; write the file again");
+            if (v == new_strip) body_.fail("a vertex has a number below 0; export the file again");
             soup_.corners.push_back(v);
         }
         add(list_.size());
@@ -255,7 +257,7 @@ class PlyReader {
                     bad_at(
                         soup_, polygon.place,
                         fmt::format(
-                            "vertex {} is not there, the file has {}, counted from 0; write the file again",
+                            "vertex {} is not there, the file has {}, counted from 0; export the file again",
                             soup_.corners[c], soup_.vertices.size()));
     }
 

@@ -65,7 +65,7 @@ class HeadReader {
             const auto key = next_word(line);
             if (lines_.number == 1 || key == "comment" || key == "obj_info" || key.empty()) continue;
             if (key == "end_header") {
-                if (!has_form) fail("the head says no \"format\"; write the file again");
+                if (!has_form) fail("the head says no \"format\"; export the file again");
                 head.bytes = lines_.read();
                 head.lines = lines_.number;
                 return head;
@@ -76,10 +76,10 @@ class HeadReader {
             } else if (key == "element") {
                 head.elements.push_back(element(line, head));
             } else if (key == "property") {
-                if (head.elements.empty()) fail("a property without an element; write the file again");
+                if (head.elements.empty()) fail("a property without an element; export the file again");
                 head.elements.back().properties.push_back(property(line));
             } else {
-                fail(in_quotes(key) + " is none of a PLY's head; write the file again");
+                fail(in_quotes(key) + " is none of a PLY's head; export the file again");
             }
         }
         ++lines_.number;
@@ -113,7 +113,7 @@ class HeadReader {
         element.count = static_cast<std::uint64_t>(*count);
         for (const PlyElement& other : head.elements)
             if (other.name == element.name)
-                fail("element " + element.name + " is there twice; write the file again");
+                fail("element " + element.name + " is there twice; export the file again");
         return element;
     }
 
@@ -126,7 +126,7 @@ class HeadReader {
         }
         property.type = type(word);
         property.name = knurl::words::printable(next_word(line), most_of_a_name);
-        if (property.name.empty()) fail("a property without a name; write the file again");
+        if (property.name.empty()) fail("a property without a name; export the file again");
         return property;
     }
 

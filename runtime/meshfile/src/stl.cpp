@@ -114,7 +114,7 @@ class TextReader {
             bad_at(soup_, lines_.number(),
                    "a facet has a fourth vertex; STL has triangles: cut it into some");
         bad_at(soup_, lines_.number(),
-               fmt::format("{} where \"{}\" belongs; write the file again", in_quotes(word), wanted));
+               fmt::format("{} where \"{}\" belongs; export the file again", in_quotes(word), wanted));
     }
 
     void facet() {

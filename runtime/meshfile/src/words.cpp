@@ -52,7 +52,7 @@ std::string in_quotes(std::string_view word) {
 }
 
 std::string no_number(std::string_view word) {
-    if (word.empty()) return "a number is missing; write the file again";
+    if (word.empty()) return "a number is missing; export the file again";
     if (const auto comma = word.find(',');
         comma != word.npos && std::count(word.begin(), word.end(), ',') == 1) {
         std::string point(word);
@@ -61,7 +61,7 @@ std::string no_number(std::string_view word) {
             return fmt::format("{} is not a number: the format has decimal points, no commas; write {}",
                                in_quotes(word), point);
     }
-    return in_quotes(word) + " is not a number; write the file again";
+    return in_quotes(word) + " is not a number; export the file again";
 }
 
 std::string lower(std::string_view word) {

@@ -367,7 +367,9 @@ int run_daemon(const DaemonConfig& config) {
 
     for (const auto& station : stations) {
         const LoopCounts& counts = station->loop->seen();
-        say(fmt::format("  {}: {} cycles, {} late, {} overruns, {} restarts; latest begin {:.0f} us",
+        say(
+            fmt::format("  {}: {} cycles, {} of them late; {} ended after the next deadline, "
+                        "{} of these by more than guardian_stall; the latest began {:.0f} us late",
                         station->config.name, counts.cycles, station->servo->last().late_count,
                         counts.overruns, counts.restarts, static_cast<double>(counts.worst_lateness) * 1e-3));
     }
