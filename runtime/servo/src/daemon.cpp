@@ -367,9 +367,10 @@ int run_daemon(const DaemonConfig& config) {
 
     for (const auto& station : stations) {
         const LoopCounts& counts = station->loop->seen();
-        say(fmt::format("  {}: {} cycles, {} late, {} overruns, {} restarts; latest begin {:.0f} us",
+        say(fmt::format("  {}: {} cycles, {} late, {} ended late, {} restarts; latest begin {:.0f} us",
                         station->config.name, counts.cycles, station->servo->last().late_count,
-                        counts.overruns, counts.restarts, static_cast<double>(counts.worst_lateness) * 1e-3));
+                        counts.ended_late, counts.restarts,
+                        static_cast<double>(counts.worst_lateness) * 1e-3));
     }
     if (end == Broker::End::guardian_died) {
         complain(
