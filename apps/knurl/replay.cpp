@@ -246,27 +246,46 @@ class Replaying {
     std::string why_not_;
 };
 
-// NOLINTNEXTLINE(readability-function-cognitive-complexity): one loop over the records of a file
+/// What is made of the recorded reports besides the replay.
+struct Uses {
+    std::optional<CsvFile> csv;
+    std::optional<Again> other;  // with another scene
+
+    bool any() const { return csv || other; }
+    void add(const Report& report) {
+        if (csv) csv->put(servo::report_row(report));
+        if (other) other->add(report);
+    }
+};
+
+/// Reads the recording to its end and returns the number of its reports. `required`: throws as soon as it
+/// cannot be replayed.
+std::uint64_t read_all(RecordingReader& recording, Replaying& replaying, Uses& uses, bool required) {
+    const auto check = [&] {
+        if (required && !replaying.possible()) throw std::runtime_error(replaying.why_not({}));
+    };
+    std::uint64_t reports = 0;
+    check();
+    for (auto item = recording.next(); item != RecordingReader::Item::end; item = recording.next()) {
+        replaying.take(recording, item);
+        check();
+        if (item != RecordingReader::Item::report) continue;
+        ++reports;
+        uses.add(recording.report);
+    }
+    return reports;
+}
+
 int replay(const ReplayArguments& arguments) {
     RecordingReader recording(arguments.file);
-    std::optional<CsvFile> csv;
-    std::optional<Again> other;
+    Uses uses;
+    auto& [csv, other] = uses;
     if (!arguments.csv.empty()) csv.emplace(arguments.csv);
     if (!arguments.scene.empty()) other.emplace(arguments.scene, recording.info().options.rate);
     Replaying replaying(recording, arguments.file);
     // A recording that cannot be replayed can still be exported and evaluated.
-    const bool required = !csv && !other;
-    if (required && !replaying.possible()) throw std::runtime_error(replaying.why_not({}));
-
-    std::uint64_t reports = 0;
-    for (auto item = recording.next(); item != RecordingReader::Item::end; item = recording.next()) {
-        replaying.take(recording, item);
-        if (required && !replaying.possible()) throw std::runtime_error(replaying.why_not({}));
-        if (item != RecordingReader::Item::report) continue;
-        ++reports;
-        if (csv) csv->put(servo::report_row(recording.report));
-        if (other) other->add(recording.report);
-    }
+    const bool required = !uses.any();
+    const std::uint64_t reports = read_all(recording, replaying, uses, required);
     if (csv) csv->finish();
     // If nothing can be replayed the reason mentions it.
     if (const auto at = recording.cut_off_at(); at && !(required && !replaying.why_not(at).empty()))

@@ -21,11 +21,11 @@ TEST(Deadlines, FollowTheRateForAnHourWithoutDrift) {
         const long double exact =
             12345 + 1e9L * static_cast<long double>(cycles) / static_cast<long double>(rate);
         EXPECT_NEAR(static_cast<double>(static_cast<long double>(deadlines.current()) - exact), 0, 2) << rate;
-        EXPECT_EQ(deadlines.overruns(), 0u);
+        EXPECT_EQ(deadlines.ended_late(), 0u);
     }
 }
 
-TEST(Deadlines, AreNotRebasedAfterAnOverrun) {
+TEST(Deadlines, AreNotRebasedAfterACycleThatEndedLate) {
     Deadlines deadlines(1000, 20 * ms);
     deadlines.start(0);
     deadlines.advance(15 * ms);  // the first cycle took 15 ms
@@ -37,7 +37,7 @@ TEST(Deadlines, AreNotRebasedAfterAnOverrun) {
     }
     EXPECT_EQ(caught_up, 14);  // none is left out
     EXPECT_EQ(deadlines.current(), 15 * ms);
-    EXPECT_EQ(deadlines.overruns(), 14u);
+    EXPECT_EQ(deadlines.ended_late(), 14u);
     EXPECT_EQ(deadlines.restarts(), 0u);
 }
 

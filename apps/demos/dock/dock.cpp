@@ -252,31 +252,42 @@ class Session {
         read_ns_ = report.read_ns;
     }
 
-    // NOLINTNEXTLINE(readability-function-cognitive-complexity): one state after the other
     void get_ready() {
         const auto begin = Clock::now();
+        wait_for_frame(begin + patience);
+        wait_for_rest(begin + 2 * patience);
+        hand_.arm();
+        wait_until_active(begin + 3 * patience);
+    }
+
+    void wait_for_frame(Clock::time_point limit) {
         while (!stop_ && newest_.atoms.empty()) {
             simulation_.wait(20ms);
             if (auto frame = simulation_.next()) see(*frame);
             hand_.commit();
             if (simulation_.ended()) throw ImdError("the simulation ended before its first frame");
-            if (Clock::now() - begin > patience)
+            if (Clock::now() > limit)
                 throw ImdError("the simulation sends no frame; is it paused, or has it no IMD-group?");
         }
         if (options_.atom >= static_cast<long>(newest_.atoms.size()))
             throw ImdError(fmt::format("there is no atom {}: the simulation sends {}, counted from 0",
                                        options_.atom, newest_.atoms.size()));
         docked_.atoms = newest_.atoms.size();
+    }
+
+    void wait_for_rest(Clock::time_point limit) {
         hand_.latest();  // earlier reports are out of date
         for (int slow = 0; slow < 100 && !stop_;) {
             const auto report = hand_.next_report(100ms);
             keep_up();
             if (report) slow = knurl::to_eigen(report->velocity).norm() < 0.1 ? slow + 1 : 0;
-            if (Clock::now() - begin > 2 * patience)
+            if (Clock::now() > limit)
                 throw std::runtime_error(
                     "the hand does not come to rest, so the device is not armed; hold it still");
         }
-        hand_.arm();
+    }
+
+    void wait_until_active(Clock::time_point limit) {
         while (!stop_) {
             // A shared device may have been active for long.
             auto report = hand_.next_report(100ms);
@@ -285,9 +296,9 @@ class Session {
             if (report && report->state == knurl::DeviceState::active) {
                 begin_ = report->deadline_ns;
                 report_ = *report;
-                break;
+                return;
             }
-            if (Clock::now() - begin > 3 * patience)
+            if (Clock::now() > limit)
                 throw std::runtime_error(
                     "the device did not become active; look at `knurl devices` and the servo's log");
         }

@@ -120,7 +120,82 @@ void prepare(knurl::meshfile::MeshFile& file, const knurl::SendOptions& send, bo
                    turned == 1 ? "it so" : "them so");
 }
 
-// NOLINTNEXTLINE(readability-function-cognitive-complexity): one run, step by step
+/// `size` is that of the thing as it is felt (m).
+void say_what_was_read(const knurl::meshfile::MeshFile& file, const knurl::meshfile::Unit& unit, double scale,
+                       double size) {
+    fmt::print("{}: {}, {} triangles, {} vertices\n", file.path, file.format, file.triangles.size(),
+               file.vertices.size());
+    fmt::print("  the box's diagonal is {:.4g} {}: {:.4g} m{}{}\n", file.size(), unit.name,
+               unit.metres * file.size(),
+               unit.guessed ? fmt::format("; the unit {} is a guess, --unit says another", unit.name) : "",
+               scale != 1 ? fmt::format("; felt {:g} times as large, {:.4g} m", scale, size) : "");
+    if (const auto odd = knurl::meshfile::odd_size(size)) fmt::print("  {}\n", *odd);
+    if (file.material_names.size() > 1) fmt::print("  materials: {}\n", fmt::join(file.material_names, ", "));
+}
+
+/// Starts a servo with a simulated device whose hand goes around the thing, on the way that is written to
+/// `stroke`. Makes the options fit them.
+std::unique_ptr<knurl::measure::PrivateServo> start_demo(Options& w, const knurl::meshfile::MeshFile& file,
+                                                         double size, const std::string& stroke) {
+    // The premium15's workspace is about its origin. A larger thing is scaled down, for the hand's path as by
+    // the claim.
+    constexpr const char* device = "sim:premium15";
+    constexpr double reach = 0.089;  // m: slightly less than the claim leaves of the device's own size
+    const double fits = std::max(1.0, size / 2 / reach);
+    w.feel.send.scale /= fits;
+    if (fits > 1) fmt::print("  too large for the simulated device: felt at 1:{:.3g}\n", fits);
+    const auto small = mesh_here(file, w.feel.send);
+    const auto rows = feel::make_stroke(*small, w.stroke);
+    feel::write_stroke(stroke, rows, -(small->low + small->high) / 2);
+    if (!(w.feel.seconds > 0)) w.feel.seconds = rows.back().t;
+    auto servo = std::make_unique<knurl::measure::PrivateServo>(
+        std::vector<std::string>{"--device", device, "--hand", stroke});
+    w.connect = servo->address();
+    w.wait = 10;
+    return servo;
+}
+
+void say_what_was_sent(const feel::FeelResult& result) {
+    fmt::print("\n  the servo took {:.2f} s and holds {:.1f} MB for {} faces\n", result.send_seconds,
+               static_cast<double>(result.sent.bytes) * 1e-6, result.sent.faces);
+    for (const std::string& line : knurl::meshfile::notes_of(result.sent.notes)) fmt::print("  {}\n", line);
+    if (result.scale > 1) fmt::print("  a metre of the device is {:.3g} m of the thing\n", result.scale);
+    if (result.faults != 0)
+        fmt::print("  the device faulted (mask {:#x}): see `knurl ls`, and clear it with `knurl reset`\n",
+                   result.faults);
+}
+
+/// Compares the force with that of the same mesh in this process. False: the thing was never touched.
+bool compare(const Options& w, const knurl::meshfile::MeshFile& file, feel::FeelResult& result) {
+    feel::expect(result.cycles, *mesh_here(file, w.feel.send), result.stiffness, 1e9);
+    const feel::Judgement judged = feel::judge(result.cycles);
+    fmt::print("  {} cycles, {} of them touching; mean {:.2f} N, peak {:.2f} N, at {:.0f} N/m\n",
+               judged.cycles, judged.touching, judged.mean_force, judged.peak_force, result.stiffness);
+    if (judged.touching == 0) {
+        fmt::print("  it was never touched: there is nothing to compare{}\n",
+                   w.demo ? "; the simulated hand has missed it" : "");
+        return false;
+    }
+    const bool comparable = w.feel.radius == 0 && w.friction == 0 && w.feel.shape.damping == 0 && !w.smooth;
+    if (comparable)
+        fmt::print(
+            "  against the same mesh at the same places in this process: at most {:.2g} N off, {} contacts "
+            "lost, "
+            "{} jumps above 0.5 N ({} are the surface's own)\n",
+            judged.worst_error, judged.lost, judged.jumps, judged.expected_jumps);
+    return true;
+}
+
+void draw_picture(const Options& w, const knurl::meshfile::MeshFile& file, const feel::FeelResult& result) {
+    const knurl::measure::Machine machine = knurl::measure::this_machine();
+    const double scale = w.feel.send.scale;
+    feel::draw(w.picture, file, scale, result.cycles,
+               fmt::format("{}: {} triangles, {:.3g} m, felt at {:.0f} N/m", file.path, result.sent.faces,
+                           scale * file.size(), result.stiffness),
+               fmt::format("{}, Linux {}, {}", machine.processor, machine.kernel, machine.date));
+    fmt::print("  {}\n", w.picture);
+}
+
 int run(Options& w) {
     if (!w.picture.empty()) knurl::measure::require_writable(w.picture);
     if (!w.csv.empty()) knurl::measure::require_writable(w.csv);
@@ -131,14 +206,7 @@ int run(Options& w) {
     send.materials = feel::materials_of(file.material_names, w.materials);
     send.scale = unit.metres * w.scale;
     const double size = send.scale * file.size();
-    fmt::print("{}: {}, {} triangles, {} vertices\n", file.path, file.format, file.triangles.size(),
-               file.vertices.size());
-    fmt::print("  the box's diagonal is {:.4g} {}: {:.4g} m{}{}\n", file.size(), unit.name,
-               unit.metres * file.size(),
-               unit.guessed ? fmt::format("; the unit {} is a guess, --unit says another", unit.name) : "",
-               w.scale != 1 ? fmt::format("; felt {:g} times as large, {:.4g} m", w.scale, size) : "");
-    if (const auto odd = knurl::meshfile::odd_size(size)) fmt::print("  {}\n", *odd);
-    if (file.material_names.size() > 1) fmt::print("  materials: {}\n", fmt::join(file.material_names, ", "));
+    say_what_was_read(file, unit, w.scale, size);
     prepare(file, send, w.inside);
     std::fflush(stdout);
 
@@ -147,24 +215,7 @@ int run(Options& w) {
     w.feel.fit = !w.no_fit;
     const knurl::measure::TemporaryFile path("knurl-feel");  // the way of the simulated hand
     std::unique_ptr<knurl::measure::PrivateServo> servo;
-    if (w.demo) {
-        const std::string& stroke = path.name;
-        // The premium15's workspace is about its origin. A larger thing is scaled down, for the hand's path
-        // as by the claim.
-        constexpr const char* device = "sim:premium15";
-        constexpr double reach = 0.089;  // m: slightly less than the claim leaves of the device's own size
-        const double fits = std::max(1.0, size / 2 / reach);
-        send.scale /= fits;
-        if (fits > 1) fmt::print("  too large for the simulated device: felt at 1:{:.3g}\n", fits);
-        const auto small = mesh_here(file, send);
-        const auto rows = feel::make_stroke(*small, w.stroke);
-        feel::write_stroke(stroke, rows, -(small->low + small->high) / 2);
-        if (!(w.feel.seconds > 0)) w.feel.seconds = rows.back().t;
-        servo = std::make_unique<knurl::measure::PrivateServo>(
-            std::vector<std::string>{"--device", device, "--hand", stroke});
-        w.connect = servo->address();
-        w.wait = 10;
-    }
+    if (w.demo) servo = start_demo(w, file, size, path.name);
     auto client = knurl::Client::connect(
         w.connect, {.name = "knurl-feel", .wait = std::chrono::milliseconds(static_cast<int>(w.wait * 1e3))});
     feel::FeelResult result = feel::feel(client, file, w.feel, stop, [](const std::string& line) {
@@ -172,38 +223,10 @@ int run(Options& w) {
         std::fflush(stdout);
     });
     if (result.sent.asset == 0) return 130;
-    fmt::print("\n  the servo took {:.2f} s and holds {:.1f} MB for {} faces\n", result.send_seconds,
-               static_cast<double>(result.sent.bytes) * 1e-6, result.sent.faces);
-    for (const std::string& line : knurl::meshfile::notes_of(result.sent.notes)) fmt::print("  {}\n", line);
-    if (result.scale > 1) fmt::print("  a metre of the device is {:.3g} m of the thing\n", result.scale);
-    if (result.faults != 0)
-        fmt::print("  the device faulted (mask {:#x}): see `knurl ls`, and clear it with `knurl reset`\n",
-                   result.faults);
-
-    const bool comparable = w.feel.radius == 0 && w.friction == 0 && w.feel.shape.damping == 0 && !w.smooth;
-    feel::expect(result.cycles, *mesh_here(file, send), result.stiffness, 1e9);
-    const feel::Judgement judged = feel::judge(result.cycles);
-    fmt::print("  {} cycles, {} of them touching; mean {:.2f} N, peak {:.2f} N, at {:.0f} N/m\n",
-               judged.cycles, judged.touching, judged.mean_force, judged.peak_force, result.stiffness);
-    const bool touched = judged.touching > 0;
-    if (!touched)
-        fmt::print("  it was never touched: there is nothing to compare{}\n",
-                   w.demo ? "; the simulated hand has missed it" : "");
-    if (comparable && touched)
-        fmt::print(
-            "  against the same mesh at the same places in this process: at most {:.2g} N off, {} contacts "
-            "lost, "
-            "{} jumps above 0.5 N ({} are the surface's own)\n",
-            judged.worst_error, judged.lost, judged.jumps, judged.expected_jumps);
+    say_what_was_sent(result);
+    const bool touched = compare(w, file, result);
     if (!w.csv.empty()) feel::write_csv(w.csv, result.cycles);
-    if (!w.picture.empty()) {
-        const knurl::measure::Machine machine = knurl::measure::this_machine();
-        feel::draw(w.picture, file, send.scale, result.cycles,
-                   fmt::format("{}: {} triangles, {:.3g} m, felt at {:.0f} N/m", file.path, result.sent.faces,
-                               send.scale * file.size(), result.stiffness),
-                   fmt::format("{}, Linux {}, {}", machine.processor, machine.kernel, machine.date));
-        fmt::print("  {}\n", w.picture);
-    }
+    if (!w.picture.empty()) draw_picture(w, file, result);
     // A person may come and go, but a demonstration without a touch has failed.
     return result.faults != 0 || (w.demo && !touched && !stop) ? 1 : 0;
 }

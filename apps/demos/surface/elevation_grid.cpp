@@ -126,8 +126,7 @@ class Gaps {
         if (value_) return std::abs(value - *value_) <= 1e-5 * std::abs(*value_);
         return !stated_ && is_usual(value);
     }
-    /// A usual value other than the header's: merged grids may contain it. It is a height if others are close
-    /// to it.
+    /// Programs write it for a missing height, if they state no other.
     static bool is_usual(double value) {
         return std::find(unstated.begin(), unstated.end(), value) != unstated.end();
     }
@@ -138,6 +137,78 @@ class Gaps {
     std::string word_;
     std::optional<double> value_;
 };
+
+/// Values that usually mean "no height", although the header states another or none: merged grids may contain
+/// them. One of them is a height if others are close to it.
+class UsualGaps {
+  public:
+    void take(std::size_t index, double value) {
+        if (!Gaps::is_usual(value))
+            lowest_ = std::min(lowest_, value);
+        else if (!first_)
+            first_ = index;
+    }
+    /// The first of them, if it lies far below all other heights.
+    std::optional<std::size_t> gap(const std::vector<double>& heights) const {
+        if (!first_ || !std::isfinite(lowest_)) return std::nullopt;
+        const double value = heights[*first_];
+        return lowest_ - value > -0.5 * value ? first_ : std::nullopt;
+    }
+
+  private:
+    std::optional<std::size_t> first_;
+    double lowest_ = INFINITY;  // over all other heights
+};
+
+/// How many cells have a decimal comma, how many a point.
+struct DecimalSigns {
+    std::size_t commas = 0, points = 0;
+
+    void take(std::string_view word) {
+        commas += word.find(',') != word.npos;
+        points += word.find('.') != word.npos;
+    }
+    bool mixed() const { return commas > 0 && points > 0; }
+};
+
+/// A cell as a number, which is no gap.
+double height_of(std::string_view word, std::size_t index, const Gaps& gaps, const ElevationModel& model,
+                 const std::string& name) {
+    const auto value = number_with_comma(word);
+    if (value ? gaps.is_gap(*value) : gaps.is_gap(lower(shown(word))))
+        throw cell_error(name, index, model.columns, no_height(word));
+    if (!value)
+        throw cell_error(name, index, model.columns,
+                         fmt::format("is \"{}\", not a number; mend that cell", shown(word)));
+    return *value;
+}
+
+/// Reads all heights that follow the header.
+void read_heights(Words& words, const Gaps& gaps, ElevationModel& model, const std::string& name) {
+    const auto wanted = static_cast<std::size_t>(model.rows) * static_cast<std::size_t>(model.columns);
+    model.counts.reserve(std::min(wanted, words.rest.size()));
+    DecimalSigns signs;
+    UsualGaps usual;
+    for (std::size_t i = 0; i < wanted; ++i) {
+        const auto word = words.next();
+        if (word.empty()) throw too_short(name, i, wanted);
+        const double height = height_of(word, i, gaps, model, name);
+        signs.take(word);
+        if (signs.mixed())
+            throw cell_error(name, i, model.columns,
+                             fmt::format("is \"{}\", but others have a decimal {}; write all with points",
+                                         word, word.find(',') != word.npos ? "point" : "comma"));
+        usual.take(i, height);
+        model.counts.push_back(height);
+    }
+    if (const auto gap = usual.gap(model.counts))
+        throw cell_error(name, *gap, model.columns, no_height(fmt::format("{:g}", model.counts[*gap])));
+    if (!words.next().empty())
+        throw std::runtime_error(fmt::format(
+            "{}: has more than the {} heights that nrows x ncols says; mend the header", name, wanted));
+    if (signs.commas > 0)
+        model.notes.push_back(fmt::format("{} heights have a decimal comma; read as a point", signs.commas));
+}
 
 /// Detects swapped numbers of rows and columns, which would skew the heights.
 void check_lines(std::string_view text, const ElevationModel& model, const std::string& name) {
@@ -179,6 +250,30 @@ bool in_degrees(const ElevationModel& model, double cell, double west, double so
     return mean_slope(model, cell) > steepest;
 }
 
+/// The cells are squares whose side is metres or degrees; heights are metres.
+void set_scale(const Header& header, double cell, ElevationModel& model, const std::string& name) {
+    const auto first_of = [&](const char* one, const char* other) {
+        const auto value = header.value(name, one);
+        return (value ? value : header.value(name, other)).value_or(0);
+    };
+    const double west = first_of("xllcorner", "xllcenter"), south = first_of("yllcorner", "yllcenter");
+    model.metres_per_count = 1;
+    if (in_degrees(model, cell, west, south)) {
+        const double north = south + cell * static_cast<double>(model.rows);
+        const double latitude = 0.5 * (south + north) * M_PI / 180;
+        model.metres_per_cell = cell * metres_per_degree * std::sqrt(std::cos(latitude));  // for equal area
+        model.scale_source = "the grid's cellsize, taken as degrees";
+        model.notes.push_back(
+            fmt::format("the cellsize of {:g} is taken as degrees, the heights as metres", cell));
+    } else {
+        model.metres_per_cell = cell;
+        model.scale_source = "the grid's cellsize, taken as metres";
+        if (cell < 0.1)
+            model.notes.push_back(
+                fmt::format("the cellsize of {:g} is taken as of the heights' unit, not as degrees", cell));
+    }
+}
+
 }  // namespace
 
 bool is_esri_grid(std::string_view bytes) {
@@ -193,7 +288,6 @@ bool is_esri_grid(std::string_view bytes) {
     }
 }
 
-// NOLINTNEXTLINE(readability-function-cognitive-complexity): a file's format, from top to bottom
 ElevationModel read_esri_grid(std::string_view bytes, const std::string& name) {
     Words words{.rest = bytes, .comments = true};
     const Header header = take_header(words, name);
@@ -202,65 +296,10 @@ ElevationModel read_esri_grid(std::string_view bytes, const std::string& name) {
     check_sides(name, rows, columns);
 
     ElevationModel model{.rows = static_cast<int>(rows), .columns = static_cast<int>(columns)};
-    const auto wanted = static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns);
-    model.counts.reserve(std::min(wanted, words.rest.size()));
-    const Gaps gaps(header);
     const std::string_view cells = words.rest;
-    std::size_t commas = 0, points = 0;
-    std::optional<std::size_t> usual_gap;
-    double lowest = INFINITY;  // over all other heights
-    for (std::size_t i = 0; i < wanted; ++i) {
-        const auto word = words.next();
-        if (word.empty()) throw too_short(name, i, wanted);
-        const auto value = number_with_comma(word);
-        if (value ? gaps.is_gap(*value) : gaps.is_gap(lower(shown(word))))
-            throw cell_error(name, i, model.columns, no_height(word));
-        if (!value)
-            throw cell_error(name, i, model.columns,
-                             fmt::format("is \"{}\", not a number; mend that cell", shown(word)));
-        commas += word.find(',') != word.npos;
-        points += word.find('.') != word.npos;
-        if (commas > 0 && points > 0)
-            throw cell_error(name, i, model.columns,
-                             fmt::format("is \"{}\", but others have a decimal {}; write all with points",
-                                         word, word.find(',') != word.npos ? "point" : "comma"));
-        if (!Gaps::is_usual(*value))
-            lowest = std::min(lowest, *value);
-        else if (!usual_gap)
-            usual_gap = i;
-        model.counts.push_back(*value);
-    }
-    if (usual_gap && std::isfinite(lowest) &&
-        lowest - model.counts[*usual_gap] > -0.5 * model.counts[*usual_gap])
-        throw cell_error(name, *usual_gap, model.columns,
-                         no_height(fmt::format("{:g}", model.counts[*usual_gap])));
-    if (!words.next().empty())
-        throw std::runtime_error(fmt::format(
-            "{}: has more than the {} heights that nrows x ncols says; mend the header", name, wanted));
+    read_heights(words, Gaps(header), model, name);
     check_lines(cells, model, name);
-    if (commas > 0)
-        model.notes.push_back(fmt::format("{} heights have a decimal comma; read as a point", commas));
-
-    const auto first_of = [&](const char* one, const char* other) {
-        const auto value = header.value(name, one);
-        return (value ? value : header.value(name, other)).value_or(0);
-    };
-    const double west = first_of("xllcorner", "xllcenter"), south = first_of("yllcorner", "yllcenter");
-    model.metres_per_count = 1;
-    if (in_degrees(model, cell, west, south)) {
-        const double north = south + cell * static_cast<double>(rows);
-        const double latitude = 0.5 * (south + north) * M_PI / 180;
-        model.metres_per_cell = cell * metres_per_degree * std::sqrt(std::cos(latitude));  // for equal area
-        model.scale_source = "the grid's cellsize, taken as degrees";
-        model.notes.push_back(
-            fmt::format("the cellsize of {:g} is taken as degrees, the heights as metres", cell));
-    } else {
-        model.metres_per_cell = cell;
-        model.scale_source = "the grid's cellsize, taken as metres";
-        if (cell < 0.1)
-            model.notes.push_back(
-                fmt::format("the cellsize of {:g} is taken as of the heights' unit, not as degrees", cell));
-    }
+    set_scale(header, cell, model, name);
     return model;
 }
 

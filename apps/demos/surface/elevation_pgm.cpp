@@ -63,69 +63,92 @@ std::string_view samples(std::string_view behind, std::size_t wanted, const std:
         name, most, wanted, 2 * wanted));
 }
 
-}  // namespace
+struct PgmHeader {
+    long columns, rows, greatest;
+    std::size_t samples() const { return static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns); }
+};
 
-// NOLINTNEXTLINE(readability-function-cognitive-complexity): a file's format, from top to bottom
-ElevationModel read_pgm(std::string_view bytes, const std::string& name) {
-    Words words{.rest = bytes.substr(2), .comments = true, .within = true};
-    std::optional<long> columns, rows, greatest;
-    for (auto [value, what] :
-         {std::pair{&columns, "width"}, {&rows, "height"}, {&greatest, "largest value"}}) {
+PgmHeader take_pgm_header(Words& words, const std::string& name) {
+    const auto take = [&](const char* what) {
         const auto word = words.next();
-        *value = whole(word);
-        if (!*value)
+        const auto value = whole(word);
+        if (!value)
             throw std::runtime_error(
                 fmt::format("{}: this PGM's header has \"{}\" where its {} belongs; write it again", name,
                             shown(word), what));
-    }
-    check_sides(name, *rows, *columns);
-    if (*greatest < 256 || *greatest > 65535)
+        return *value;
+    };
+    // A list in braces is evaluated from left to right.
+    const PgmHeader header{
+        .columns = take("width"), .rows = take("height"), .greatest = take("largest value")};
+    check_sides(name, header.rows, header.columns);
+    if (header.greatest < 256 || header.greatest > 65535)
         throw std::runtime_error(
             fmt::format("{}: this PGM's largest value is {}: {}; "
                         "export it with 16 bits (256 to 65535)",
-                        name, *greatest,
-                        *greatest < 1       ? "that is none"
-                        : *greatest > 65535 ? "the format has at most 65535"
-                                            : "8 bits would be felt as stairs"));
+                        name, header.greatest,
+                        header.greatest < 1       ? "that is none"
+                        : header.greatest > 65535 ? "the format has at most 65535"
+                                                  : "8 bits would be felt as stairs"));
+    return header;
+}
 
-    ElevationModel model{.rows = static_cast<int>(*rows), .columns = static_cast<int>(*columns)};
-    const auto wanted = static_cast<std::size_t>(*rows) * static_cast<std::size_t>(*columns);
+/// The samples of a P5, after its header.
+void read_binary_samples(std::string_view behind, const PgmHeader& header, const std::string& name,
+                         ElevationModel& model) {
+    const auto data = samples(behind, header.samples(), name, model.notes);
+    const auto greatest = static_cast<double>(header.greatest);
     std::optional<std::size_t> above;  // the first sample above
-    if (bytes[1] == '5') {
-        const auto data = samples(words.rest, wanted, name, model.notes);
-        model.counts.reserve(wanted);
-        for (std::size_t i = 0; i < wanted; ++i) {
-            model.counts.push_back(static_cast<unsigned char>(data[2 * i]) * 256 +
-                                   static_cast<unsigned char>(data[2 * i + 1]));
-            if (!above && model.counts.back() > static_cast<double>(*greatest)) above = i;
-        }
-        check_byte_order(model, name);
-        if (above)
-            throw cell_error(
-                name, *above, model.columns,
-                fmt::format(
-                    "is {}, above the largest value that the header states ({}); {}", model.counts[*above],
-                    *greatest,
-                    fits_swapped(model, static_cast<double>(*greatest))
-                        ? "with the bytes of each swapped none is: swap them (dd conv=swab on the samples)"
-                        : "mend the header, or export the file again"));
-        return model;
+    model.counts.reserve(header.samples());
+    for (std::size_t i = 0; i < header.samples(); ++i) {
+        model.counts.push_back(static_cast<unsigned char>(data[2 * i]) * 256 +
+                               static_cast<unsigned char>(data[2 * i + 1]));
+        if (!above && model.counts.back() > greatest) above = i;
     }
-    model.counts.reserve(std::min(wanted, bytes.size()));
+    check_byte_order(model, name);
+    if (above)
+        throw cell_error(
+            name, *above, model.columns,
+            fmt::format(
+                "is {}, above the largest value that the header states ({}); {}", model.counts[*above],
+                header.greatest,
+                fits_swapped(model, greatest)
+                    ? "with the bytes of each swapped none is: swap them (dd conv=swab on the samples)"
+                    : "mend the header, or export the file again"));
+}
+
+/// The samples of a P2, after its header.
+void read_text_samples(Words& words, const PgmHeader& header, const std::string& name,
+                       ElevationModel& model) {
+    const std::size_t wanted = header.samples();
+    model.counts.reserve(std::min(wanted, words.rest.size()));
     for (std::size_t i = 0; i < wanted; ++i) {
         const auto word = words.next();
         if (word.empty()) throw too_short(name, i, wanted);
         const auto value = whole(word);
-        if (!value || *value < 0 || *value > *greatest)
+        if (!value || *value < 0 || *value > header.greatest)
             throw cell_error(name, i, model.columns,
                              fmt::format("is \"{}\", not a whole number from 0 to {}; mend that cell",
-                                         shown(word), *greatest));
+                                         shown(word), header.greatest));
         model.counts.push_back(static_cast<double>(*value));
     }
     if (const auto word = words.next(); !word.empty())
         throw std::runtime_error(
             fmt::format("{}: \"{}\" follows the {} heights that the header says; mend the header", name,
                         shown(word), wanted));
+}
+
+}  // namespace
+
+ElevationModel read_pgm(std::string_view bytes, const std::string& name) {
+    Words words{.rest = bytes.substr(2), .comments = true, .within = true};
+    const PgmHeader header = take_pgm_header(words, name);
+    ElevationModel model{.rows = static_cast<int>(header.rows), .columns = static_cast<int>(header.columns)};
+    if (bytes[1] == '5') {
+        read_binary_samples(words.rest, header, name, model);
+    } else {
+        read_text_samples(words, header, name, model);
+    }
     return model;
 }
 

@@ -42,9 +42,60 @@ bool moves_the_tip(const SimProfile& profile, std::size_t axis) {
            jacobian.col(static_cast<Eigen::Index>(axis)).head<3>().norm() > 1e-6;
 }
 
+/// Each joint's range, counts and effort; says what is assumed of them.
+void set_axes(const ArmFile& arm, SimProfile& p, Assumed& known) {
+    bool counted = true;
+    for (std::size_t i = 0; i < arm.joints(); ++i) {
+        const ArmAxis& axis = arm.axes[i];
+        p.least[i] = axis.limits.least;
+        p.greatest[i] = axis.limits.greatest;
+        if (!axis.limits.known()) known.say(axis.name + ": no limits; the tip's workspace alone stops it");
+        if (axis.radians_per_count) {
+            p.radians_per_count[i] = *axis.radians_per_count;
+        } else if (moves_the_tip(p, i)) {
+            counted = false;
+        } else {
+            p.radians_per_count[i] = 2 * std::numbers::pi / wrist_counts;
+            known.say(axis.name + ": " + in_text(wrist_counts) + " counts a turn");
+        }
+        if (axis.effort_limit) p.effort_limit[i] = *axis.effort_limit;
+    }
+    if (!counted && !arm.resolution) known.say("resolution " + in_text(usual_resolution) + " m at the tip");
+}
+
+/// The stops of the table's rows, where a coupling moves several rows with one axis.
+void set_row_stops(const ArmFile& arm, SimProfile& p) {
+    if (std::none_of(arm.row_limits.begin(), arm.row_limits.end(),
+                     [](const Between& b) { return b.known(); }))
+        return;
+    const auto n = static_cast<Eigen::Index>(arm.joints());
+    p.coupling = arm.table.coupling.size() > 0 ? arm.table.coupling : Eigen::MatrixXd::Identity(n, n);
+    for (std::size_t i = 0; i < arm.row_limits.size(); ++i) {
+        p.row_least[i] = arm.row_limits[i].least;
+        p.row_greatest[i] = arm.row_limits[i].greatest;
+    }
+}
+
+/// Peak and continuous force, and the levers by which motors exert them.
+void set_forces(const ArmFile& arm, SimProfile& p, Assumed& known) {
+    p.continuous_force = arm.continuous_force.value_or(0);
+    if (arm.peak_force) {
+        p.peak_force = *arm.peak_force;
+        if (!arm.continuous_force) known.say("continuous force: half of the peak force");
+        set_levers(p);
+        return;
+    }
+    // The force that the motors can hold at the centre: the first axis at its limit decides.
+    set_levers(p);
+    p.peak_force = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < arm.actuated(); ++i) {
+        if (moves_the_tip(p, i)) p.peak_force = std::min(p.peak_force, p.effort_limit[i] / p.lever[i]);
+    }
+    known.say("peak force " + in_text(p.peak_force) + " N, from the axes' limits at the centre");
+}
+
 }  // namespace
 
-// NOLINTNEXTLINE(readability-function-cognitive-complexity): one default after the other, each said
 SimProfile sim_profile_of(const ArmFile& arm, std::vector<std::string>* assumed) {
     Assumed known(assumed);
     SimProfile p;
@@ -62,33 +113,8 @@ SimProfile sim_profile_of(const ArmFile& arm, std::vector<std::string>* assumed)
 
     p.rate = arm.rate;
     p.quantum = arm.resolution.value_or(usual_resolution);
-    bool counted = true;
-    for (std::size_t i = 0; i < arm.joints(); ++i) {
-        const ArmAxis& axis = arm.axes[i];
-        p.least[i] = axis.limits.least;
-        p.greatest[i] = axis.limits.greatest;
-        if (!axis.limits.known()) known.say(axis.name + ": no limits; the tip's workspace alone stops it");
-        if (axis.radians_per_count) {
-            p.radians_per_count[i] = *axis.radians_per_count;
-        } else if (moves_the_tip(p, i)) {
-            counted = false;
-        } else {
-            p.radians_per_count[i] = 2 * std::numbers::pi / wrist_counts;
-            known.say(axis.name + ": " + in_text(wrist_counts) + " counts a turn");
-        }
-        if (axis.effort_limit) p.effort_limit[i] = *axis.effort_limit;
-    }
-    const bool rows_stop =
-        std::any_of(arm.row_limits.begin(), arm.row_limits.end(), [](const Between& b) { return b.known(); });
-    if (rows_stop) {
-        const auto n = static_cast<Eigen::Index>(arm.joints());
-        p.coupling = arm.table.coupling.size() > 0 ? arm.table.coupling : Eigen::MatrixXd::Identity(n, n);
-        for (std::size_t i = 0; i < arm.row_limits.size(); ++i) {
-            p.row_least[i] = arm.row_limits[i].least;
-            p.row_greatest[i] = arm.row_limits[i].greatest;
-        }
-    }
-    if (!counted && !arm.resolution) known.say("resolution " + in_text(usual_resolution) + " m at the tip");
+    set_axes(arm, p, known);
+    set_row_stops(arm, p);
 
     p.mass = known(arm.mass, "mass", p.mass, "kg at the tip");
     p.damping = known(arm.damping, "damping", p.damping, "N s/m at the tip");
@@ -101,21 +127,7 @@ SimProfile sim_profile_of(const ArmFile& arm, std::vector<std::string>* assumed)
     }
     p.peak_torque = p.renders_torque ? *arm.peak_torque : 0;
     p.watchdog = arm.watchdog.value_or(0);
-    if (arm.peak_force) {
-        p.peak_force = *arm.peak_force;
-        p.continuous_force = arm.continuous_force.value_or(0);
-        if (!arm.continuous_force) known.say("continuous force: half of the peak force");
-        set_levers(p);
-    } else {
-        // The force that the motors can hold at the centre: the first axis at its limit decides.
-        set_levers(p);
-        p.peak_force = std::numeric_limits<double>::infinity();
-        for (std::size_t i = 0; i < arm.actuated(); ++i) {
-            if (moves_the_tip(p, i)) p.peak_force = std::min(p.peak_force, p.effort_limit[i] / p.lever[i]);
-        }
-        known.say("peak force " + in_text(p.peak_force) + " N, from the axes' limits at the centre");
-        p.continuous_force = arm.continuous_force.value_or(0);
-    }
+    set_forces(arm, p, known);
     return p;
 }
 

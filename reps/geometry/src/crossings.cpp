@@ -80,7 +80,7 @@ class Finder {
         }
         for (const MeshNode& node : nodes_) {
             for (std::uint32_t i = 0; i < MeshNode::fan; ++i) {
-                if (node.low[0][i] <= node.high[0][i] && is_leaf(node.child[i])) query(node, i, flags);
+                if (node.low[0][i] <= node.high[0][i] && is_leaf(node.child[i])) search(node, i, flags);
             }
         }
         find_knots(flags);
@@ -135,14 +135,14 @@ class Finder {
         return false;
     }
 
-    /// The faces of a leaf, whose query looks for those that cross them.
-    struct Asking {
-        std::uint32_t first, count;
-        Corners own[4];
-        float low[3], high[3];  // m, a little wider than the leaf's box
+    /// Looks for faces that cross those of one leaf.
+    struct Query {
+        std::uint32_t first, count;  // of the leaf's faces
+        Corners own[4];              // of these
+        float low[3], high[3];       // m, a little wider than the leaf's box
     };
-    Asking asking(const MeshNode& leaf, std::uint32_t place) const {
-        Asking out;
+    Query query_of(const MeshNode& leaf, std::uint32_t place) const {
+        Query out;
         out.first = leaf_first(leaf.child[place]), out.count = leaf_count(leaf.child[place]);
         for (std::uint32_t i = 0; i < out.count; ++i) out.own[i] = corners(out.first + i);
         for (int k = 0; k < 3; ++k) {
@@ -156,8 +156,8 @@ class Finder {
 
     /// Tests the faces of a leaf against all faces whose boxes they meet. A face with a complete query is
     /// done: other queries need not test it again.
-    void query(const MeshNode& leaf, std::uint32_t place, std::vector<std::uint8_t>& flags) {
-        const Asking own = asking(leaf, place);
+    void search(const MeshNode& leaf, std::uint32_t place, std::vector<std::uint8_t>& flags) {
+        const Query query = query_of(leaf, place);
         // Where very many boxes overlap, faces count as crossed without a test. That costs time in the cycle,
         // but the contact stays right.
         const std::uint64_t limit = spent_ < 128 * flags.size() + 100000 ? 4096 : 128;
@@ -168,10 +168,10 @@ class Finder {
             const MeshNode& node = nodes_[stack_.back()];
             stack_.pop_back();
             ++work;
-            all = look_into(node, own, work, flags);
+            all = look_into(node, query, work, flags);
         }
         const bool complete = stack_.empty() && !all;
-        for (std::uint32_t f = own.first; f < own.first + own.count; ++f) {
+        for (std::uint32_t f = query.first; f < query.first + query.count; ++f) {
             if (complete) {
                 done_[f] = true;
             } else {
@@ -182,15 +182,15 @@ class Finder {
         slices_(static_cast<std::uint32_t>(4 * work));
     }
 
-    /// Tests what is in the leaves below a node and puts its other children onto the stack. True, and nothing more
-    /// is looked at: all that ask are crossed.
-    bool look_into(const MeshNode& node, const Asking& own, std::uint64_t& work,
+    /// Tests what is in the leaves below a node and puts its other children onto the stack. True, and nothing
+    /// more is looked at: all faces of the query are crossed.
+    bool look_into(const MeshNode& node, const Query& query, std::uint64_t& work,
                    std::vector<std::uint8_t>& flags) {
         alignas(32) std::int32_t meets[MeshNode::fan];  // in four lanes at a time
         for (std::uint32_t i = 0; i < MeshNode::fan; ++i) {
-            meets[i] = (node.low[0][i] <= own.high[0]) & (node.high[0][i] >= own.low[0]) &
-                       (node.low[1][i] <= own.high[1]) & (node.high[1][i] >= own.low[1]) &
-                       (node.low[2][i] <= own.high[2]) & (node.high[2][i] >= own.low[2]);
+            meets[i] = (node.low[0][i] <= query.high[0]) & (node.high[0][i] >= query.low[0]) &
+                       (node.low[1][i] <= query.high[1]) & (node.high[1][i] >= query.low[1]) &
+                       (node.low[2][i] <= query.high[2]) & (node.high[2][i] >= query.low[2]);
         }
         for (std::uint32_t k = 0; k < MeshNode::fan; ++k) {
             if (meets[k] == 0) continue;
@@ -200,16 +200,17 @@ class Finder {
                 continue;
             }
             for (std::uint32_t g = leaf_first(child); g < leaf_first(child) + leaf_count(child); ++g) {
-                if (!done_[g]) work += against(own.first, {own.own, own.count}, g, flags);
+                if (!done_[g]) work += against(query.first, {query.own, query.count}, g, flags);
             }
-            if (all_crossed(own, flags)) return true;
+            if (all_crossed(query, flags)) return true;
         }
         return false;
     }
 
-    static bool all_crossed(const Asking& own, const std::vector<std::uint8_t>& flags) {
+    static bool all_crossed(const Query& query, const std::vector<std::uint8_t>& flags) {
         bool all = true;
-        for (std::uint32_t i = 0; i < own.count; ++i) all = all && (flags[own.first + i] & face_crossed) != 0;
+        for (std::uint32_t i = 0; i < query.count; ++i)
+            all = all && (flags[query.first + i] & face_crossed) != 0;
         return all;
     }
 

@@ -70,7 +70,7 @@ enum class Fan { closed, open, stopped };
 /// Visits the other faces around a face's corner: see(face, pivot, to_after, to_before), with the edges from
 /// the pivot, until it returns false.
 template <class S, class See>
-// NOLINTNEXTLINE(readability-function-cognitive-complexity): one loop for both ways round; in the cycle
+// NOLINTNEXTLINE(readability-function-cognitive-complexity): in the cycle; a split would write the loop twice
 Fan turn(const S& s, std::uint32_t face, std::uint32_t corner, const Vec& v, See&& see) noexcept {
     std::uint32_t seen = 0;
     for (const bool forward : {true, false}) {
@@ -179,7 +179,7 @@ std::uint32_t over_rim(const S& s, const Vec& h, Rest& rest, Work& work) noexcep
 
 /// One step. Returns the next face, with rest.near on it; or no_face: the walk rests, and `rest` says how.
 template <class S>
-// NOLINTNEXTLINE(readability-function-cognitive-complexity): the cases share their state; in the cycle
+// NOLINTNEXTLINE(readability-function-cognitive-complexity): in the cycle; a split would hand on all its state
 std::uint32_t step(const S& s, const Vec& h, Rest& rest, Work& work) noexcept {
     Nearest& near = rest.near;
     rest.settled = true;

@@ -46,6 +46,11 @@ std::string in_quotes(std::string_view name) {
     return "'" + words::printable(name, max_key_name) + "'";
 }
 
+/// An alert from the peer has the reason 1000 + its number (RFC 8446, 6).
+bool is_alert(unsigned long error) {
+    return error != 0 && ERR_GET_REASON(error) >= SSL_AD_REASON_OFFSET;
+}
+
 }  // namespace
 
 struct TlsContext::Impl {
@@ -70,6 +75,9 @@ struct TlsSession::Impl {
     Io judge(int result) noexcept;
     void explain(unsigned long error) noexcept;
     std::string sentence(unsigned long error);
+    std::string why_it_ended(const std::string& detail) const;
+    std::string why_the_client_failed(unsigned long error, const std::string& detail) const;
+    std::string why_the_server_failed(unsigned long error, const std::string& detail);
 
     static int use_key(SSL* ssl, const EVP_MD* md, const unsigned char** name, std::size_t* bytes,
                        SSL_SESSION** session) noexcept;
@@ -187,35 +195,38 @@ void TlsSession::Impl::explain(unsigned long error) noexcept try {
     reason.clear();
 }
 
-// NOLINTNEXTLINE(readability-function-cognitive-complexity): a table of reasons
 std::string TlsSession::Impl::sentence(unsigned long error) {
     const char* openssl = ERR_reason_error_string(error);
     const std::string detail = openssl ? " (" + std::string(openssl) + ")" : "";
-    const int why = ERR_GET_REASON(error);
-    // An alert from the peer has the reason 1000 + its number (RFC 8446, 6).
-    const bool alert = error != 0 && why >= SSL_AD_REASON_OFFSET;
-    if (done) {
-        if (socket.error != 0) return "the connection broke: " + system_text(socket.error);
-        if (socket.ended) return "the connection ended without a goodbye: the peer died, or somebody cut it";
-        return "TLS failed: damaged or foreign bytes in the connection" + detail;
-    }
-    if (server()) {
-        if (socket.spoke && !socket.began_as_tls())
-            return "the peer does not speak TLS, and this bridge wants a key; set KNURL_KEY at the peer";
-        if (why == SSL_R_BINDER_DOES_NOT_VERIFY && !known)
-            return "no key is named " + in_quotes(identity) +
-                   "; add it to the keys file, or correct the peer's";
-        if (why == SSL_R_BINDER_DOES_NOT_VERIFY)
-            return "the peer's key " + in_quotes(identity) +
-                   " has another secret than the keys file; copy its line again";
-        if (socket.ended || socket.error != 0) return "the peer hung up in the handshake";
-        if (alert) return "the peer refused the handshake" + detail;
-        if (identity.empty()) return "the peer offered no key" + detail;
-        return "the TLS handshake failed" + detail;
-    }
+    if (done) return why_it_ended(detail);
+    return server() ? why_the_client_failed(error, detail) : why_the_server_failed(error, detail);
+}
+
+std::string TlsSession::Impl::why_it_ended(const std::string& detail) const {
+    if (socket.error != 0) return "the connection broke: " + system_text(socket.error);
+    if (socket.ended) return "the connection ended without a goodbye: the peer died, or somebody cut it";
+    return "TLS failed: damaged or foreign bytes in the connection" + detail;
+}
+
+std::string TlsSession::Impl::why_the_client_failed(unsigned long error, const std::string& detail) const {
+    if (socket.spoke && !socket.began_as_tls())
+        return "the peer does not speak TLS, and this bridge wants a key; set KNURL_KEY at the peer";
+    const bool wrong_secret = ERR_GET_REASON(error) == SSL_R_BINDER_DOES_NOT_VERIFY;
+    if (wrong_secret && !known)
+        return "no key is named " + in_quotes(identity) + "; add it to the keys file, or correct the peer's";
+    if (wrong_secret)
+        return "the peer's key " + in_quotes(identity) +
+               " has another secret than the keys file; copy its line again";
+    if (socket.ended || socket.error != 0) return "the peer hung up in the handshake";
+    if (is_alert(error)) return "the peer refused the handshake" + detail;
+    if (identity.empty()) return "the peer offered no key" + detail;
+    return "the TLS handshake failed" + detail;
+}
+
+std::string TlsSession::Impl::why_the_server_failed(unsigned long error, const std::string& detail) {
     const std::string name = in_quotes(context->impl_->keys.front().name);
     about_keys = true;
-    if (alert)
+    if (is_alert(error))
         return "the bridge refused the key " + name +
                ": its keys file has no such name, or another secret under it" + detail;
     if (socket.spoke && !socket.began_as_tls())

@@ -76,36 +76,52 @@ void add_if_independent(Set& faces, const Face& face) {
     if (!independent(faces)) faces.pop_back();
 }
 
+/// What the model answers beside a corner, on each of its faces.
+struct Answers {
+    Set found;             // each once
+    Set doubtful;          // faces of the corner at whose place the model has another
+    bool in_place = true;  // every foot is where the corner's face has it
+    bool news = false;     // a face that the corner does not have
+};
+
+Answers ask_beside(const Vector3d& corner, const Set& faces, Questions& questions) {
+    const double metre = questions.metre();
+    Answers answers;
+    for (const Face& face : faces) {
+        const Vector3d at = corner + metre * beside * away(face, faces);
+        const Face answer = questions.ask_aside(at + metre * off * face.normal());
+        if (!same(answer, face)) answers.doubtful.push_back(face);
+        answers.news = answers.news || !has(faces, answer);
+        if (!has(answers.found, answer)) answers.found.push_back(answer);
+        answers.in_place = answers.in_place && (answer.foot() - at).norm() < metre * same_place;
+    }
+    return answers;
+}
+
+/// Faces that the model has confirmed meet in a concave corner.
+bool is_concave(const Set& faces) {
+    // All became one face: the surface turns from one to the other, so it is smooth.
+    if (faces.size() < 2) return false;
+    for (std::size_t i = 0; i < faces.size(); ++i)
+        for (std::size_t j = 0; j < i; ++j)
+            if (!may_meet(faces[i], faces[j]) || !facing(faces[i], faces[j])) return false;
+    return true;
+}
+
 /// The corner's faces as the model has them beside it: more than given if there is a third; none if there is
 /// no such corner.
-// NOLINTNEXTLINE(readability-function-cognitive-complexity): one iteration; its exits are what it decides
 std::optional<Set> confirmed(Set faces, const Vector3d& p, Questions& questions) {
-    const double metre = questions.metre();
     for (int round = 0; round < rounds; ++round) {
-        const std::optional<Vector3d> corner = meeting_point(faces, p, metre);
+        const std::optional<Vector3d> corner = meeting_point(faces, p, questions.metre());
         if (!corner) return std::nullopt;
-        Set found, doubtful;
-        bool in_place = true, news = false;
-        for (const Face& face : faces) {
-            const Vector3d at = *corner + metre * beside * away(face, faces);
-            const Face answer = questions.ask_aside(at + metre * off * face.normal());
-            if (!same(answer, face)) doubtful.push_back(face);
-            news = news || !has(faces, answer);
-            if (!has(found, answer)) found.push_back(answer);
-            in_place = in_place && (answer.foot() - at).norm() < metre * same_place;
-        }
-        if (doubtful.empty() && in_place) {
-            // All became one face: the surface turns from one to the other, so it is smooth.
-            if (found.size() < 2) return std::nullopt;
-            for (std::size_t i = 0; i < found.size(); ++i)
-                for (std::size_t j = 0; j < i; ++j)
-                    if (!may_meet(found[i], found[j]) || !facing(found[i], found[j])) return std::nullopt;
-            return found;
-        }
+        Answers answers = ask_beside(*corner, faces, questions);
+        Set& found = answers.found;
+        if (answers.doubtful.empty() && answers.in_place)
+            return is_concave(found) ? std::optional(std::move(found)) : std::nullopt;
         // A face whose test point lies behind another face was not tested yet. But an answer exactly at the
         // edge may have a normal between those of two faces, and is no face.
-        for (const Face& face : doubtful) add_if_independent(found, face);
-        if (found.size() < 2 || (!doubtful.empty() && !news)) return std::nullopt;
+        for (const Face& face : answers.doubtful) add_if_independent(found, face);
+        if (found.size() < 2 || (!answers.doubtful.empty() && !answers.news)) return std::nullopt;
         faces = std::move(found);
     }
     return std::nullopt;

@@ -66,26 +66,60 @@ void simplify(std::span<const Point3> vertices, std::vector<std::uint32_t>& ring
                 kept.begin() + static_cast<std::ptrdiff_t>(last));
 }
 
+bool all_finite(std::span<const Point3> vertices, std::span<const std::uint32_t> ring) {
+    for (const std::uint32_t v : ring)
+        for (const double x : vertices[v])
+            if (!std::isfinite(x)) return false;
+    return true;
+}
+
+/// Are points, relative to the first of them, on one line?
+bool all_on_a_line(std::span<const Point3> points, double extent) {
+    const auto far = std::max_element(points.begin(), points.end(),
+                                      [](const Point3& a, const Point3& b) { return length(a) < length(b); });
+    for (const Point3& p : points)
+        if (length(cross(*far, p)) > 1e-6 * extent * extent) return false;
+    return true;
+}
+
 }  // namespace
 
-// NOLINTNEXTLINE(readability-function-cognitive-complexity): one pass of ear clipping
 Cutter::Shape Cutter::cut(std::span<const Point3> vertices, std::span<const std::uint32_t> polygon,
                           std::vector<knurl::Triangle>& out) {
     bent_ = 0;
-    const auto fan = [&] {
-        for (std::size_t i = 2; i < ring_.size(); ++i) out.push_back({ring_[0], ring_[i - 1], ring_[i]});
-        return Shape::convex;
-    };
     ring_.assign(polygon.begin(), polygon.end());
     // The builder leaves out and counts corners that are not finite.
-    for (const std::uint32_t v : ring_)
-        for (const double x : vertices[v])
-            if (!std::isfinite(x)) return fan();
-    if (ring_.size() == 3) return fan();
+    if (ring_.size() == 3 || !all_finite(vertices, ring_)) return fan(out);
     simplify(vertices, ring_);
     if (ring_.size() < 3) return Shape::nothing;
-    if (ring_.size() == 3) return fan();
+    if (ring_.size() == 3) return fan(out);
 
+    measure(vertices);
+    const double area = length(normal_);
+    if (!std::isfinite(area) || !std::isfinite(extent_ * extent_)) return fan(out);
+    if (!(area > flat * extent_ * extent_))
+        return all_on_a_line(at_, extent_) ? Shape::nothing : Shape::crossed;
+    for (const Point3& p : at_) bent_ = std::max(bent_, std::abs(dot(p, normal_)) / area / extent_);
+
+    // Seen along an axis the coordinates stay exact, but a bent polygon may cross itself in that view.
+    const std::size_t before = out.size();
+    for (int way = 0; way < 2; ++way) {
+        project(at_, way);
+        if (is_convex()) return fan(out);
+        if (!crosses_itself() && clip(out)) return Shape::concave;
+        out.resize(before);
+        if (work_ > most_work) return Shape::too_large;
+    }
+    return Shape::crossed;
+}
+
+Cutter::Shape Cutter::fan(std::vector<knurl::Triangle>& out) const {
+    for (std::size_t i = 2; i < ring_.size(); ++i) out.push_back({ring_[0], ring_[i - 1], ring_[i]});
+    return Shape::convex;
+}
+
+/// Fills at_, normal_ and extent_ from the ring.
+void Cutter::measure(std::span<const Point3> vertices) {
     at_.clear();
     normal_ = {};
     extent_ = 0;
@@ -96,27 +130,6 @@ Cutter::Shape Cutter::cut(std::span<const Point3> vertices, std::span<const std:
         const Point3 part = cross(at_[at_.size() - 2], at_.back());
         for (std::size_t k = 0; k < 3; ++k) normal_[k] += part[k];
     }
-    const double area = length(normal_);
-    if (!std::isfinite(area) || !std::isfinite(extent_ * extent_)) return fan();
-    if (!(area > flat * extent_ * extent_)) {
-        const auto far = std::max_element(
-            at_.begin(), at_.end(), [](const Point3& a, const Point3& b) { return length(a) < length(b); });
-        for (const Point3& p : at_)
-            if (length(cross(*far, p)) > 1e-6 * extent_ * extent_) return Shape::crossed;
-        return Shape::nothing;
-    }
-    for (const Point3& p : at_) bent_ = std::max(bent_, std::abs(dot(p, normal_)) / area / extent_);
-
-    // Seen along an axis the coordinates stay exact, but a bent polygon may cross itself in that view.
-    const std::size_t before = out.size();
-    for (int way = 0; way < 2; ++way) {
-        project(at_, way);
-        if (is_convex()) return fan();
-        if (!crosses_itself() && clip(out)) return Shape::concave;
-        out.resize(before);
-        if (work_ > most_work) return Shape::too_large;
-    }
-    return Shape::crossed;
 }
 
 void Cutter::project(std::span<const Point3> at, int way) {

@@ -84,78 +84,122 @@ void read_heights(const std::string& path, const Value& value, const std::string
     }
 }
 
+std::vector<Point3> vertices(const std::string& path, const Value& value, const std::string& what) {
+    const auto parts = points(path, value, what, "m", 3, std::numeric_limits<std::uint32_t>::max());
+    std::vector<Point3> out;
+    for (std::size_t i = 0; i < parts.size(); i += 3) out.push_back({parts[i], parts[i + 1], parts[i + 2]});
+    return out;
+}
+
+void read_spacing(const std::string& path, const Value& value, const std::string& what, HeightGrid& grid) {
+    const auto d = numbers(path, value, what, "m", 2);
+    if (!(d[0] > 0 && d[1] > 0 && std::isfinite(d[0]) && std::isfinite(d[1])))
+        fail(path, value.at, what + " must be above 0 m, and finite");
+    grid.dx = d[0];
+    grid.dy = d[1];
+}
+
+/// Reads a key that only an asset from a file has. False: the key is another. The same for the next two.
+bool read_key_of_file(const std::string& path, const Value& value, const std::string& what,
+                      AssetEntry& asset) {
+    if (value.key == "mesh") {
+        asset.mesh = word(path, value, what);
+        if (asset.mesh.empty()) fail(path, value.at, what + " is empty; give the path of a mesh");
+    } else if (value.key == "unit") {
+        asset.unit = word(path, value, what);
+    } else if (value.key == "inside") {
+        asset.inside = boolean(path, value, what);
+    } else {
+        return false;
+    }
+    return true;
+}
+
+/// ... only a mesh whose corners are in the scene file.
+bool read_key_of_mesh(const std::string& path, const Value& value, const std::string& what,
+                      AssetEntry& asset) {
+    if (value.key == "vertices") {
+        asset.vertices = vertices(path, value, what);
+    } else if (value.key == "triangles") {
+        asset.triangles = triangles(path, value, what);
+    } else {
+        return false;
+    }
+    return true;
+}
+
+/// ... only a height field.
+bool read_key_of_heights(const std::string& path, const Value& value, const std::string& what,
+                         AssetEntry& asset) {
+    if (value.key == "heights") {
+        read_heights(path, value, what, asset);
+    } else if (value.key == "spacing") {
+        read_spacing(path, value, what, asset.grid);
+    } else if (value.key == "corner") {
+        asset.grid.corner = to_eigen(vector(path, value, what, "m"));
+    } else {
+        return false;
+    }
+    return true;
+}
+
+std::vector<std::string_view> known_keys() {
+    std::vector<std::string_view> known;
+    for (const KeyInfo& key : keys) known.push_back(key.name);
+    return known;
+}
+
+/// The forms of which an asset has keys.
+struct Forms {
+    bool file = false, mesh = false, heights = false;
+};
+
+/// It has keys of one form only, and those that this form needs.
+bool is_whole(const AssetEntry& asset, const Forms& forms) {
+    if (forms.file + forms.mesh + forms.heights != 1) return false;
+    if (forms.file) return !asset.mesh.empty();
+    if (forms.mesh) return !asset.vertices.empty() && !asset.triangles.empty();
+    return !asset.heights.empty() && asset.grid.dx > 0;
+}
+
 }  // namespace
 
 std::span<const KeyInfo> asset_keys() noexcept {
     return keys;
 }
 
-// NOLINTNEXTLINE(readability-function-cognitive-complexity): a table's keys, one after the other
 AssetEntry read_asset(const std::string& path, std::size_t number, const toml::table& table) {
     const std::string called = fmt::format("asset {}", number);
     AssetEntry asset;
     asset.line = table.source().begin.line;
-    bool spaced = false;
-    const Value* of_mesh = nullptr;     // the last key that only a mesh has
-    const Value* of_file = nullptr;     // ... only an asset from a file
-    const Value* of_heights = nullptr;  // ... only a height field
-    const Value* exact = nullptr;       // the key `exact`, of both kinds of mesh
+    Forms forms;
+    const Value* exact = nullptr;  // a key of both kinds of mesh
     const auto values = values_of(table);
     for (const Value& value : values) {
         const std::string what = fmt::format("{} of {}", value.key, called);
-        if (value.key == "mesh") {
-            asset.mesh = word(path, value, what);
-            if (asset.mesh.empty()) fail(path, value.at, what + " is empty; give the path of a mesh");
-            of_file = &value;
-        } else if (value.key == "unit") {
-            asset.unit = word(path, value, what);
-            of_file = &value;
-        } else if (value.key == "inside") {
-            asset.inside = boolean(path, value, what);
-            of_file = &value;
-        } else if (value.key == "vertices") {
-            const auto parts = points(path, value, what, "m", 3, std::numeric_limits<std::uint32_t>::max());
-            for (std::size_t i = 0; i < parts.size(); i += 3)
-                asset.vertices.push_back({parts[i], parts[i + 1], parts[i + 2]});
-            of_mesh = &value;
-        } else if (value.key == "triangles") {
-            asset.triangles = triangles(path, value, what);
-            of_mesh = &value;
+        if (read_key_of_file(path, value, what, asset)) {
+            forms.file = true;
+        } else if (read_key_of_mesh(path, value, what, asset)) {
+            forms.mesh = true;
+        } else if (read_key_of_heights(path, value, what, asset)) {
+            forms.heights = true;
         } else if (value.key == "exact") {
             asset.exact = boolean(path, value, what);
             exact = &value;
-        } else if (value.key == "heights") {
-            read_heights(path, value, what, asset);
-            of_heights = &value;
-        } else if (value.key == "spacing") {
-            const auto d = numbers(path, value, what, "m", 2);
-            if (!(d[0] > 0 && d[1] > 0 && std::isfinite(d[0]) && std::isfinite(d[1])))
-                fail(path, value.at, what + " must be above 0 m, and finite");
-            asset.grid.dx = d[0];
-            asset.grid.dy = d[1];
-            spaced = true;
-            of_heights = &value;
-        } else if (value.key == "corner") {
-            asset.grid.corner = to_eigen(vector(path, value, what, "m"));
-            of_heights = &value;
         } else {
-            std::vector<std::string_view> known;
-            for (const KeyInfo& key : keys) known.push_back(key.name);
-            fail_unknown_key(path, value, called, known);
+            fail_unknown_key(path, value, called, known_keys());
         }
     }
-    const int forms = (of_file != nullptr) + (of_mesh != nullptr) + (of_heights != nullptr);
-    const bool whole = of_file != nullptr   ? !asset.mesh.empty()
-                       : of_mesh != nullptr ? !asset.vertices.empty() && !asset.triangles.empty()
-                                            : !asset.heights.empty() && spaced;
-    if (forms == 1 && whole && of_heights != nullptr && exact != nullptr)
+    if (!is_whole(asset, forms)) {
+        fail(path, table.source().begin,
+             fmt::format(
+                 "{} must be one of: a mesh = \"FILE\" with its unit; vertices and triangles; heights and "
+                 "their spacing",
+                 called));
+    }
+    if (forms.heights && exact != nullptr)
         fail(path, exact->at, fmt::format("exact of {}: a mesh has it, heights are always so", called));
-    if (forms == 1 && whole) return asset;
-    fail(
-        path, table.source().begin,
-        fmt::format("{} must be one of: a mesh = \"FILE\" with its unit; vertices and triangles; heights and "
-                    "their spacing",
-                    called));
+    return asset;
 }
 
 }  // namespace knurl::scenefile

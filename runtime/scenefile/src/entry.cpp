@@ -119,6 +119,49 @@ void make_of(const Material& material, Kind kind, std::vector<std::byte>& params
     makers[kind](material, params);
 }
 
+/// The keys that a table of this kind may have.
+std::vector<std::string_view> keys_of(const KindInfo& info) {
+    std::vector<std::string_view> known;
+    for (const Field& field : info.fields) known.push_back(field.name);
+    for (const KeyInfo& key : keys_of_entries)
+        if (info.surface || key.name != "material") known.push_back(key.name);
+    return known;
+}
+
+/// Reads the id, if there is one.
+void read_id(const std::string& path, const std::vector<Value>& values, std::string_view kind, Entry& entry) {
+    for (const Value& value : values) {
+        if (value.key != "id") continue;
+        entry.id = identity(path, value, "id of " + entry.called);
+        entry.called = fmt::format("{} '{}'", kind, entry.id);
+    }
+}
+
+/// Reads one of the AddOptions. False: the key is another.
+bool read_option(const std::string& path, const Value& value, const std::string& what, Entry& entry) {
+    if (value.key == "probe") {
+        entry.probe = static_cast<std::uint32_t>(integer(path, value, what, 0, max_probes - 1));
+    } else if (value.key == "on_silence") {
+        entry.on_silence = static_cast<OnSilence>(choice(path, value, what, silence_names));
+    } else if (value.key == "silence_time") {
+        entry.silence_time = real(path, value, what, "s");
+    } else {
+        return false;
+    }
+    entry.options_at = value.at;
+    return true;
+}
+
+/// Reads a field of the representation. False: it has no such field.
+bool read_field(const std::string& path, const Value& value, const std::string& what, Entry& entry) {
+    const auto& fields = kinds()[entry.kind].fields;
+    std::uint32_t index = 0;
+    while (index < fields.size() && fields[index].name != value.key) ++index;
+    if (index == fields.size()) return false;
+    entry.settings.push_back(read_setting(path, value, index, fields[index], what));
+    return true;
+}
+
 }  // namespace
 
 void fail_unknown_key(const std::string& path, const Value& value, const std::string& called,
@@ -153,7 +196,6 @@ AddOptions options_of(const Entry& entry) {
     return options;
 }
 
-// NOLINTNEXTLINE(readability-function-cognitive-complexity): a table's keys, one after the other
 Entry read_entry(const std::string& path, Kind kind, const toml::table& table) {
     const KindInfo& info = kinds()[kind];
     Entry entry;
@@ -162,18 +204,8 @@ Entry read_entry(const std::string& path, Kind kind, const toml::table& table) {
     entry.id = fmt::format("(line {})", entry.where.line);
     entry.called = fmt::format("the {} of line {}", info.name, entry.where.line);
 
-    std::vector<std::string_view> known;
-    for (const Field& field : info.fields) known.push_back(field.name);
-    for (const KeyInfo& key : keys_of_entries)
-        if (info.surface || key.name != "material") known.push_back(key.name);
-
     const auto values = values_of(table);
-    for (const Value& value : values) {  // first, so that every other error can contain the name
-        if (value.key == "id") {
-            entry.id = identity(path, value, "id of " + entry.called);
-            entry.called = fmt::format("{} '{}'", info.name, entry.id);
-        }
-    }
+    read_id(path, values, info.name, entry);  // first, so that every other error can contain the name
     for (const Value& value : values) {
         const std::string what = fmt::format("{} of {}", value.key, entry.called);
         if (value.key == "id") continue;
@@ -181,22 +213,10 @@ Entry read_entry(const std::string& path, Kind kind, const toml::table& table) {
             entry.at = seconds(path, value, what);
         } else if (value.key == "remove") {
             entry.remove = boolean(path, value, what);
-        } else if (value.key == "probe") {
-            entry.probe = static_cast<std::uint32_t>(integer(path, value, what, 0, max_probes - 1));
-            entry.options_at = value.at;
-        } else if (value.key == "on_silence") {
-            entry.on_silence = static_cast<OnSilence>(choice(path, value, what, silence_names));
-            entry.options_at = value.at;
-        } else if (value.key == "silence_time") {
-            entry.silence_time = real(path, value, what, "s");
-            entry.options_at = value.at;
         } else if (value.key == "material" && info.surface) {
             entry.material = preset(preset_names()[choice(path, value, what, preset_names())]);
-        } else {
-            std::uint32_t index = 0;
-            while (index < info.fields.size() && info.fields[index].name != value.key) ++index;
-            if (index == info.fields.size()) fail_unknown_key(path, value, entry.called, known);
-            entry.settings.push_back(read_setting(path, value, index, info.fields[index], what));
+        } else if (!read_option(path, value, what, entry) && !read_field(path, value, what, entry)) {
+            fail_unknown_key(path, value, entry.called, keys_of(info));
         }
         if (const Verdict verdict = check_options(options_of(entry));
             !verdict)  // the values read before this one were legal

@@ -181,50 +181,61 @@ class Resolver {
     std::map<std::string, Newest> newest_;
 };
 
-}  // namespace
-
-// NOLINTNEXTLINE(readability-function-cognitive-complexity): a file's tables, one after the other
-SceneFile parse_scene(std::string_view text, const std::string& path) {
-    toml::table root;
+toml::table parse_toml(std::string_view text, const std::string& path) {
     try {
-        root = toml::parse(text, path);
+        return toml::parse(text, path);
     } catch (const toml::parse_error& error) {
         std::string what(error.description());
         std::replace(what.begin(), what.end(), '\n', ' ');  // the message quotes the file, with line ends
         fail(path, error.source().begin, what);
     }
+}
 
+void add_probe(SceneFile& scene, const toml::table& table) {
+    if (scene.probes.size() == Scene::max_probes) {
+        fail(scene.path, table.source().begin,
+             fmt::format("too many probes; a scene has at most {}", Scene::max_probes));
+    }
+    scene.probes.push_back(read_probe(scene.path, scene.probes.size(), table));
+}
+
+void add_asset(SceneFile& scene, const toml::table& table) {
+    if (scene.assets.size() == max_assets) {
+        fail(scene.path, table.source().begin,
+             fmt::format("too many assets; a scene has at most {}", max_assets));
+    }
+    scene.assets.push_back(read_asset(scene.path, scene.assets.size() + 1, table));
+}
+
+Kind kind_named(const toml::key& name, const std::string& path) {
+    Kind kind = 0;
+    while (kind < kinds().size() && kinds()[kind].name != name.str()) ++kind;
+    if (kind == kinds().size()) fail_unknown_table(path, name.str(), name.source().begin);
+    return kind;
+}
+
+/// Reads a [[name]]. Probes and assets belong to the scene; entries are not yet sorted by time.
+void read_tables(const toml::key& name, const toml::node& node, SceneFile& scene,
+                 std::vector<Entry>& entries) {
+    if (name.str() == "probe") {
+        for (const auto* table : tables_of(scene.path, name, node)) add_probe(scene, *table);
+    } else if (name.str() == "asset") {
+        for (const auto* table : tables_of(scene.path, name, node)) add_asset(scene, *table);
+    } else {
+        const Kind kind = kind_named(name, scene.path);
+        for (const auto* table : tables_of(scene.path, name, node))
+            entries.push_back(read_entry(scene.path, kind, *table));
+    }
+}
+
+}  // namespace
+
+SceneFile parse_scene(std::string_view text, const std::string& path) {
+    const toml::table root = parse_toml(text, path);
     SceneFile scene;
     scene.path = path;
     std::vector<Entry> entries;
-    for (const auto& [name, node] : root) {
-        if (name.str() == "probe") {
-            for (const auto* table : tables_of(path, name, node)) {
-                if (scene.probes.size() == Scene::max_probes) {
-                    fail(path, table->source().begin,
-                         fmt::format("too many probes; a scene has at most {}", Scene::max_probes));
-                }
-                scene.probes.push_back(read_probe(path, scene.probes.size(), *table));
-            }
-            continue;
-        }
-        if (name.str() == "asset") {
-            for (const auto* table : tables_of(path, name, node)) {
-                if (scene.assets.size() == max_assets) {
-                    fail(path, table->source().begin,
-                         fmt::format("too many assets; a scene has at most {}", max_assets));
-                }
-                scene.assets.push_back(read_asset(path, scene.assets.size() + 1, *table));
-            }
-            continue;
-        }
-        Kind kind = 0;
-        while (kind < kinds().size() && kinds()[kind].name != name.str()) ++kind;
-        if (kind == kinds().size()) fail_unknown_table(path, name.str(), name.source().begin);
-        for (const auto* table : tables_of(path, name, node))
-            entries.push_back(read_entry(path, kind, *table));
-    }
-
+    for (const auto& [name, node] : root) read_tables(name, node, scene, entries);
     std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
         return std::tie(a.at, a.where.line, a.where.column) < std::tie(b.at, b.where.line, b.where.column);
     });

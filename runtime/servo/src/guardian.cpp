@@ -85,56 +85,74 @@ class StopWatch {
     shm::UniqueFd stat_{open("/proc/self/stat", O_RDONLY | O_CLOEXEC)};  // the creator's, also after a fork
 };
 
+/// Zeroes the devices whose servo no longer publishes. True: a device is enabled. `stopped`: the servo is
+/// stopped by a signal or a debugger.
+bool zero_stalled(std::vector<Watched>& devices, Board& board, MonotonicClock& clock, bool stopped) {
+    bool any_enabled = false;
+    for (std::size_t i = 0; i < devices.size(); ++i) {
+        Watched& watched = devices[i];
+        const bool enabled = watched.enabled();
+        any_enabled |= enabled;
+        if (watched.stall.tick(clock.now(), watched.reports.published(), enabled, stopped)) {
+            // The word comes first, then the zero. A servo that continues in between finds the word, and its
+            // gain is 0 before it writes again. Pairs with the acquire in Loop::run.
+            board.acts[i].fetch_add(1, std::memory_order_release);
+            watched.device->make_safe();
+        }
+    }
+    return any_enabled;
+}
+
+enum class ServoState { runs, has_said_goodbye, has_died };
+
+/// Waits for news of the servo, for one tick at most.
+ServoState wait_for_news(int line, int servo_pidfd, int tick_ms) {
+    std::array<pollfd, 2> waits{pollfd{.fd = line, .events = POLLIN, .revents = 0},
+                                pollfd{.fd = servo_pidfd, .events = POLLIN, .revents = 0}};
+    if (poll(waits.data(), waits.size(), tick_ms) <= 0) return ServoState::runs;
+
+    // A goodbye in the socket counts even if the servo has ended since.
+    char byte = 0;
+    const ssize_t n = recv(line, &byte, 1, MSG_DONTWAIT);
+    if (n == 1 && byte == goodbye_byte) return ServoState::has_said_goodbye;
+    const bool hung_up = n == 0 || (n < 0 && errno != EAGAIN && errno != EINTR);
+    return hung_up || (waits[1].revents & POLLIN) != 0 ? ServoState::has_died : ServoState::runs;
+}
+
+/// Saves the last reports of a servo that died, and says so.
+void save_last_reports(const std::vector<Watched>& devices, const std::string& state_directory) {
+    std::string saved, not_saved;
+    for (const Watched& watched : devices) {
+        try {
+            saved += fmt::format("{} {}", saved.empty() ? "; its last reports are in" : ",",
+                                 write_flight_record(state_directory, watched.segment,
+                                                     "killed, crashed or ended without saying goodbye"));
+        } catch (const std::exception& error) {
+            not_saved = fmt::format("; {}", error.what());
+        }
+    }
+    std::fprintf(stderr, "knurl-guardian: the servo died; its devices are zeroed%s%s\n", saved.c_str(),
+                 not_saved.c_str());
+}
+
 /// The guardian's main loop. Returns when nothing is left to guard.
-// NOLINTNEXTLINE(readability-function-cognitive-complexity): one loop over what may happen, each with its answer
 void keep_watch(std::vector<Watched>& devices, Board& board, int line, int servo_pidfd,
                 const StopWatch& servo, const std::string& state_directory) {
     MonotonicClock clock;
     bool any_enabled = false;
-    for (;;) {
-        const bool stopped = any_enabled && servo.stopped();
-        any_enabled = false;
-        for (std::size_t i = 0; i < devices.size(); ++i) {
-            Watched& watched = devices[i];
-            const bool enabled = watched.enabled();
-            any_enabled |= enabled;
-            if (watched.stall.tick(clock.now(), watched.reports.published(), enabled, stopped)) {
-                // The word comes first, then the zero. A servo that continues in between finds the word, and
-                // its gain is 0 before it writes again. Pairs with the acquire in Loop::run.
-                board.acts[i].fetch_add(1, std::memory_order_release);
-                watched.device->make_safe();
-            }
-        }
-        std::array<pollfd, 2> waits{pollfd{.fd = line, .events = POLLIN, .revents = 0},
-                                    pollfd{.fd = servo_pidfd, .events = POLLIN, .revents = 0}};
+    ServoState state = ServoState::runs;
+    while (state == ServoState::runs) {
+        any_enabled = zero_stalled(devices, board, clock, any_enabled && servo.stopped());
         const int tick_ms = any_enabled ? static_cast<int>(StallWatch::period / 1'000'000) : idle_tick_ms;
-        if (poll(waits.data(), waits.size(), tick_ms) <= 0) continue;
-
-        // A goodbye in the socket counts even if the servo has ended since.
-        char byte = 0;
-        const ssize_t n = recv(line, &byte, 1, MSG_DONTWAIT);
-        if (n == 1 && byte == goodbye_byte) return;
-        const bool hung_up = n == 0 || (n < 0 && errno != EAGAIN && errno != EINTR);
-        if (!hung_up && (waits[1].revents & POLLIN) == 0) continue;
-
-        for (Watched& watched : devices) watched.device->make_safe();
-        // The devices are safe. Writing a file may take time, and must not delay real-time threads.
-        const sched_param ordinary{};
-        sched_setscheduler(0, SCHED_OTHER, &ordinary);
-        std::string saved, not_saved;
-        for (const Watched& watched : devices) {
-            try {
-                saved += fmt::format("{} {}", saved.empty() ? "; its last reports are in" : ",",
-                                     write_flight_record(state_directory, watched.segment,
-                                                         "killed, crashed or ended without saying goodbye"));
-            } catch (const std::exception& error) {
-                not_saved = fmt::format("; {}", error.what());
-            }
-        }
-        std::fprintf(stderr, "knurl-guardian: the servo died; its devices are zeroed%s%s\n", saved.c_str(),
-                     not_saved.c_str());
-        return;
+        state = wait_for_news(line, servo_pidfd, tick_ms);
     }
+    if (state == ServoState::has_said_goodbye) return;
+
+    for (Watched& watched : devices) watched.device->make_safe();
+    // The devices are safe. Writing a file may take time, and must not delay real-time threads.
+    const sched_param ordinary{};
+    sched_setscheduler(0, SCHED_OTHER, &ordinary);
+    save_last_reports(devices, state_directory);
 }
 
 }  // namespace

@@ -71,7 +71,7 @@ void Deadlines::advance(Nanoseconds now) noexcept {
     ++i_;
     const Nanoseconds late = now - current();
     if (late <= 0) return;
-    ++overruns_;
+    ++ended_late_;
     if (late > stall_) {
         ++restarts_;
         start(now + static_cast<Nanoseconds>(1e9 / rate_));
@@ -116,7 +116,7 @@ void Loop::run() noexcept {
         seen_.worst_lateness = std::max(seen_.worst_lateness, now - deadline);
         deadlines.advance(clock.now());
     }
-    seen_.overruns = deadlines.overruns();
+    seen_.ended_late = deadlines.ended_late();
     seen_.restarts = deadlines.restarts();
 }
 

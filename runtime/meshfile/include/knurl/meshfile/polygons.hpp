@@ -34,6 +34,8 @@ class Cutter {
         bool reflex, gone;
     };
 
+    Shape fan(std::vector<knurl::Triangle>& out) const;
+    void measure(std::span<const knurl::Point3> vertices);
     void project(std::span<const knurl::Point3> at, int way);
     bool is_convex() const;
     bool crosses_itself();

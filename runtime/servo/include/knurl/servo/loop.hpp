@@ -17,9 +17,9 @@ namespace knurl::servo {
 
 class Servo;
 
-/// Deadlines t0 + i T, never re-based after an overrun: cycles that were missed are caught up and counted, so
-/// that no lateness hides (coordinated omission). Only after a gap longer than `stall` time begins anew, one
-/// period ahead: a loop that can never keep up thus sleeps now and then, which a FIFO thread must.
+/// Deadlines t0 + i T, never re-based after a cycle that ended late: missed cycles are caught up and counted,
+/// so that no lateness hides (coordinated omission). Only after a gap longer than `stall` time begins anew,
+/// one period ahead: a loop that can never keep up thus sleeps now and then, which a FIFO thread must.
 class Deadlines {
   public:
     /// `rate` in Hz, `stall` in ns.
@@ -33,7 +33,7 @@ class Deadlines {
     void advance(Nanoseconds now) noexcept;
 
     /// Cycles that ended after the next had to begin.
-    std::uint64_t overruns() const noexcept { return overruns_; }
+    std::uint64_t ended_late() const noexcept { return ended_late_; }
     /// Times that t0 was set anew.
     std::uint64_t restarts() const noexcept { return restarts_; }
 
@@ -42,7 +42,7 @@ class Deadlines {
     Nanoseconds stall_;
     Nanoseconds t0_ = 0;
     std::uint64_t i_ = 0;
-    std::uint64_t overruns_ = 0;
+    std::uint64_t ended_late_ = 0;
     std::uint64_t restarts_ = 0;
 };
 
@@ -61,7 +61,7 @@ struct LoopCounts {
     /// Cycles.
     std::uint64_t cycles = 0;
     /// Cycles that ended after the next had to begin.
-    std::uint64_t overruns = 0;
+    std::uint64_t ended_late = 0;
     /// Times that t0 was set anew.
     std::uint64_t restarts = 0;
     /// Latest begin of a cycle (ns).
