@@ -132,7 +132,6 @@ struct Lead {
         Eigen::Vector3d::Zero();                      // m, world: where the probe was in the last timed cycle
     Eigen::Vector3d place = Eigen::Vector3d::Zero();  // m, from the probe: surfaces near this place count
     std::uint32_t deepest = 0;                        // the member that overlaps the probe most
-    std::array<Eigen::Vector3d, max_layers> proxies{};  // m, world: of the layers in the last cycle
 };
 
 class ContactStage {
@@ -206,6 +205,7 @@ class ContactStage {
 
     // scene_gaps.cpp
     void begin_gap(ContactSet& set, const Eigen::Vector3d& probe, Record& r, std::uint32_t member) noexcept;
+    static void remember_layers(ContactSet& set) noexcept;
     bool lower_by_gaps(const ContactSet& set, const Layer& layer, PlanesApart& apart) noexcept;
     void close_gaps(ContactSet& set) noexcept;
 

@@ -32,16 +32,26 @@ bool holds_below(const ContactSet& set, const Layer& layer, const Record& r) noe
 void ContactStage::begin_gap(ContactSet& set, const Vector3d& p, Record& r, std::uint32_t i) noexcept {
     const Arena& a = sets_.arena();
     r.gap = {};
-    if (set.layers < 2 || !(a.s[i] > nowhere)) return;
+    // A shape of an asset has many faces: a gap under one of them says nothing about the next.
+    if (set.layers < 2 || !(a.s[i] > nowhere) || kind_ops()[r.kind].asset(r) != nullptr) return;
     const Vector3d n(a.nx[i], a.ny[i], a.nz[i]);
-    // One that was in front until now has come to the face with the others.
+    const auto depth_before = [&](const Layer& layer) {
+        return a.s[i] - n.dot(set.last.of(layer.stiffness, lead_.before) - p);
+    };
+    // One that was sent to where the hand is has found x0 behind its face too.
+    const double entered = std::max(0.0, depth_before(set.layer[0]));
+    double softer = set.layer[0].stiffness;  // the hardest of which the proxy has come to the face with x0
     for (std::uint32_t j = 1; j < set.layers && i - set.begin < set.layer[j].count; ++j) {
-        const double now = a.s[i] - n.dot(set.layer[j].solution.dx);
-        const double before = a.s[i] - n.dot(lead_.proxies[j] - p);
-        r.gap.depth = std::max(r.gap.depth, std::min(now, before));
+        const Layer& layer = set.layer[j];
+        const double now = a.s[i] - n.dot(layer.solution.dx), before = depth_before(layer) - entered;
+        if (std::min(now, before) > 0) {
+            r.gap.depth = std::max(r.gap.depth, std::min(now, before));
+        } else {
+            softer = layer.stiffness;
+        }
     }
     if (!(r.gap.depth > 0)) return;
-    r.gap.softer = set.layer[0].stiffness / (r.stiffness * own_weight(set, r.weight));
+    r.gap.softer = softer / (r.stiffness * own_weight(set, r.weight));
     set.gaps = true;
 }
 
@@ -61,8 +71,17 @@ bool ContactStage::lower_by_gaps(const ContactSet& set, const Layer& layer, Plan
     return any;
 }
 
+void ContactStage::remember_layers(ContactSet& set) noexcept {
+    set.last.count = set.layers;
+    for (std::uint32_t j = 0; j < set.layers; ++j) {
+        set.last.stiffness[j] = set.layer[j].stiffness;
+        set.last.proxy[j] = set.layer[j].proxy;
+    }
+}
+
 // At the end of a cycle: within it, a repeated evaluation gives the same answer.
 void ContactStage::close_gaps(ContactSet& set) noexcept {
+    remember_layers(set);
     if (!set.gaps) return;
     const Arena& a = sets_.arena();
     set.gaps = false;

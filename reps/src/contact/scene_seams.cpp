@@ -28,7 +28,6 @@ void ContactStage::begin_path(const ContactState& contact, const ContactSet& set
     lead_ = {.contact = &contact, .on = true, .fades = &set == &contact.old, .before = before};
     lead_.lone = set.moving_count == 1 && set.standing == 0;
     lead_.led = !set.held.isZero(0) && !(lead_.lone && is_held_by_first(set));
-    for (std::uint32_t j = 0; j < set.layers; ++j) lead_.proxies[j] = set.layer[j].proxy;
     path_.entered = path_.left = path_.grazed = false;
     path_.beside = true;
     path_.hand = world_length(seam_of_hand, state_.limits);
