@@ -40,13 +40,13 @@ void ContactStage::begin_gap(ContactSet& set, const Vector3d& p, Record& r, std:
     };
     // One that was sent to where the hand is has found x0 behind its face too.
     const double entered = std::max(0.0, depth_before(set.layer[0]));
-    double softer = set.layer[0].stiffness;  // the hardest of which the proxy has come to the face with x0
+    double softer = set.layer[0].stiffness;  // up to here the proxies have come to the face with x0
     for (std::uint32_t j = 1; j < set.layers && i - set.begin < set.layer[j].count; ++j) {
         const Layer& layer = set.layer[j];
         const double now = a.s[i] - n.dot(layer.solution.dx), before = depth_before(layer) - entered;
         if (std::min(now, before) > 0) {
             r.gap.depth = std::max(r.gap.depth, std::min(now, before));
-        } else {
+        } else if (!(r.gap.depth > 0)) {
             softer = layer.stiffness;
         }
     }
