@@ -60,6 +60,7 @@ std::optional<ClientView> read_row(const protocol::ClientRow& row) {
         return value.load(std::memory_order_relaxed);
     };
     view.armed = word(row.armed) != 0;
+    view.shed = word(row.shed) != 0;
     view.silent = word(row.silent) != 0;
     const double interval = static_cast<double>(word(row.interval_ns)) * 1e-9;
     view.update_rate = interval > 0 ? 1 / interval : 0;

@@ -44,6 +44,7 @@ std::string text_of(const ClientRates& rates) {
     scaled(client.scales.effects, "effects");
     scaled(client.scales.damping, "damping");
     if (client.silent) line += "  " + wrong("SILENT");
+    if (client.shed) line += "  " + wrong("PUT ASIDE: the cycles have no time for it");
     return line + "  " + representations_text(client) + "\n";
 }
 
@@ -65,7 +66,8 @@ json json_of(const ClientRates& rates) {
              {{"surfaces", client.scales.contacts},
               {"effects", client.scales.effects},
               {"damping", client.scales.damping}}},
-            {"silent", client.silent}};
+            {"silent", client.silent},
+            {"put_aside", client.shed}};
 }
 
 }  // namespace

@@ -89,6 +89,12 @@ struct RecordedRun {
         if (chance(400)) clock.time += 30'000'000;  // a stall
         const Nanoseconds now = clock.now();
         servo->step(now - static_cast<Nanoseconds>(random() % (chance(10) ? 3'000'000 : 50'000)), now);
+        // Now and then cycles are long for a while: claims are put aside, additions refused, the device ramps down.
+        if (long_cycles > 0 ? long_cycles-- > 0 : chance(1500) && (long_cycles = random() % 60, true)) {
+            servo->took(static_cast<Nanoseconds>(1e9 / options.rate * (1.2 + uniform(0.7))));
+        } else {
+            servo->took(50'000);
+        }
         reports.push_back(servo->last());
         while (const Claim* back = servo->released())
             std::erase_if(leaving, [&](const auto& claim) { return &claim->servo_side() == back; });
@@ -187,7 +193,7 @@ struct RecordedRun {
     std::vector<std::unique_ptr<OfflineClaim>> leaving;
     std::vector<Application> apps;
     std::vector<Report> reports;
-    std::uint64_t n = 0, away = 0;
+    std::uint64_t n = 0, away = 0, long_cycles = 0;
     std::unique_ptr<Servo> servo;
 };
 

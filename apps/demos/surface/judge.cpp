@@ -149,6 +149,7 @@ std::string fault_text(std::uint32_t faults) {
         {knurl::fault::clock_jump, "clock jump"},
         {knurl::fault::kinematics, "no pose for the joints"},
         {knurl::fault::guardian, "servo stalled"},
+        {knurl::fault::overload, "cycles longer than the period"},
     };
     std::string text;
     for (const auto& [bit, name] : names)

@@ -25,6 +25,7 @@ constexpr std::array fault_bits{
     Named{fault::clock_jump, "the clock jumped"},
     Named{fault::kinematics, "no pose for the joints"},
     Named{fault::guardian, "the servo stood still and the guardian zeroed the device"},
+    Named{fault::overload, "the servo's cycles took longer than its period"},
 };
 
 std::string reason(const protocol::Reply& reply) {
@@ -53,6 +54,11 @@ std::string reason(const protocol::Reply& reply) {
         case protocol::RefusalReason::cause_persists:
             return detail::format("what led to the fault goes on ({}); mend that first",
                                   fault_names(static_cast<std::uint32_t>(reply.value)));
+        case protocol::RefusalReason::cycle_full:
+            return detail::format(
+                "the servo's cycle takes {:.0f} % of its period, and takes new work up to {:.0f} %; remove "
+                "representations, here or in another application (knurl top shows how many each has)",
+                100 * reply.value, 100 * reply.against);
         case protocol::RefusalReason::none:
             break;
     }

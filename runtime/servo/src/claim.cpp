@@ -200,6 +200,7 @@ void Claim::Impl::publish(std::uint64_t cycle) noexcept {
         put(row->damping_cut_ppm, cut(told.damping));
         put(row->silent, std::uint64_t{silent_for > 0});
         put(row->armed, std::uint64_t{armed});
+        put(row->shed, std::uint64_t{shed});
         if (counts_changed)
             for (Kind kind = 0; kind < Representations::size; ++kind)
                 put(row->present[kind], std::uint64_t{scene.count(kind)});

@@ -109,6 +109,8 @@ struct Claim::Impl {
     bool joined = false;          // armed while another claim keeps the device on; does not keep it on itself
     bool dropping = false;        // fades out, then goes back to the broker
     bool faulted = false;         // it sent malformed bytes: it fades out and is ignored from now on
+    bool shed = false;            // the cycle has no time for it: its scene rests until it arms again
+    std::uint32_t shed_with = 0;  // representations
     bool announced = false;       // the device counts it as active
     bool from_the_start = false;  // offline: changes before the first cycle act in full at once
     double gain = 0;
@@ -120,6 +122,8 @@ struct Claim::Impl {
     bool scene_sleeps = false;  // its scene is out of the hand's reach: see SleepingScene
     SilenceWatch silence;
     double silent_for = 0;  // s
+    // Share of the period that it takes, while the servo looks (LoadWatch): in this cycle, and smooth.
+    double charged = 0, cost = 0;
 
     // What CommandProcessor (command_processor.cpp) keeps of this claim.
     std::uint64_t commands_done = 0;

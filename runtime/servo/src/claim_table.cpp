@@ -211,7 +211,7 @@ void ClaimTable::clear(std::uint32_t index) noexcept {
     waker_.remove(flag_in(row.segment));              // before the segment is unmapped
     protocol::ClientRow& shared = shared_row(index);  // also the servo's half: the servo has released the row
     for (auto* word : {&shared.commits, &shared.refused, &shared.merged, &shared.age_ns, &shared.interval_ns,
-                       &shared.gain_ppm, &shared.silent, &shared.armed, &shared.missed,
+                       &shared.gain_ppm, &shared.silent, &shared.armed, &shared.shed, &shared.missed,
                        &shared.contacts_cut_ppm, &shared.effects_cut_ppm, &shared.damping_cut_ppm}) {
         word->store(0, std::memory_order_relaxed);
     }

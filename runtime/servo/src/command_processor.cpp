@@ -8,6 +8,8 @@
 #include <knurl/reps/all.hpp>
 #include <knurl/reps/check.hpp>
 
+#include "load_watch.hpp"
+
 namespace knurl::servo {
 
 using protocol::CommandHeader;
@@ -16,6 +18,15 @@ using protocol::Reply;
 using Code = Verdict::Code;
 
 namespace {
+
+// A claim that was put aside comes back with half of what it had, or less: else it would be put aside again.
+bool may_come_back(const Claim::Impl& claim) noexcept {
+    return !claim.shed || 2 * claim.scene.size() <= claim.shed_with;
+}
+
+Verdict no_time(double load) noexcept {
+    return {.code = Code::refused, .field = Verdict::no_field, .value = load, .against = LoadWatch::room};
+}
 
 constexpr std::size_t no_such_command = ~std::size_t{0};
 
@@ -221,7 +232,7 @@ CommandProcessor::Answer CommandProcessor::check(Claim::Impl& claim, const Comma
     }
     switch (command.header.type) {
         case CommandType::add:
-            return check_add(claim, command);
+            return check_add(claim, command, authority.load);
         case CommandType::remove:
             return check_remove(claim, command);
         case CommandType::place_probe: {
@@ -230,6 +241,7 @@ CommandProcessor::Answer CommandProcessor::check(Claim::Impl& claim, const Comma
         }
         case CommandType::arm:
             if (authority.ending) return state(protocol::RefusalReason::disconnected);
+            if (!may_come_back(claim)) return {no_time(authority.load), protocol::RefusalReason::cycle_full};
             return state(authority.supervisor.may_arm(authority.calibrated, authority.speed, reset));
         case CommandType::disarm:
             return {};
@@ -241,7 +253,8 @@ CommandProcessor::Answer CommandProcessor::check(Claim::Impl& claim, const Comma
     return state(protocol::RefusalReason::malformed);
 }
 
-CommandProcessor::Answer CommandProcessor::check_add(Claim::Impl& claim, const Command& command) noexcept {
+CommandProcessor::Answer CommandProcessor::check_add(Claim::Impl& claim, const Command& command,
+                                                     double load) noexcept {
     const auto body = read_as<protocol::AddBody>(command.body);
     const std::uint32_t slot = body.id.slot;
     // Checks against the slots as this group leaves them: the scene still has what an earlier command
@@ -249,6 +262,7 @@ CommandProcessor::Answer CommandProcessor::check_add(Claim::Impl& claim, const C
     Verdict verdict = check_vacant(body.id, claim.slots);
     if (verdict) verdict = check_added(body.kind, command.params, command.header.bytes, body.options);
     if (!verdict) return {verdict};
+    if (claim.shed || load > LoadWatch::room) return {no_time(load), protocol::RefusalReason::cycle_full};
     remember(claim, slot);
     claim.slots[slot] = {.generation = body.id.generation, .kind = body.kind, .present = true};
     return {};
@@ -287,6 +301,7 @@ void CommandProcessor::do_command(Claim::Impl& claim, const Command& command, co
         case CommandType::arm:
             answer.reason = authority.supervisor.arm(authority.calibrated, authority.speed);
             claim.armed = answer.reason == protocol::RefusalReason::none;
+            if (claim.armed) claim.shed = false;
             claim.joined = (command.header.flags & protocol::command_flags::restricted) != 0;
             break;
         case CommandType::disarm:

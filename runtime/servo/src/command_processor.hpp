@@ -34,6 +34,7 @@ struct Authority {
     double speed = 0;           // m/s, of the hand
     bool ending = false;        // the servo is about to end: arming is refused
     std::uint32_t trouble = 0;  // faults that this cycle's sample would raise
+    double load = 0;            // share of the period that cycles take
 };
 
 struct CommandCounts {
@@ -80,7 +81,7 @@ class CommandProcessor {
     Parsed parse_group(Claim::Impl& claim, std::uint32_t from) noexcept;
     Answer check(Claim::Impl& claim, const Command& command, const Authority& authority,
                  bool& reset) noexcept;
-    Answer check_add(Claim::Impl& claim, const Command& command) noexcept;
+    Answer check_add(Claim::Impl& claim, const Command& command, double load) noexcept;
     Answer check_remove(Claim::Impl& claim, const Command& command) noexcept;
     bool check_group(Claim::Impl& claim, std::size_t commands, const Authority& authority) noexcept;
     void do_command(Claim::Impl& claim, const Command& command, const Authority& authority,

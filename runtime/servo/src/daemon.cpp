@@ -367,11 +367,13 @@ int run_daemon(const DaemonConfig& config) {
 
     for (const auto& station : stations) {
         const LoopCounts& counts = station->loop->seen();
-        say(fmt::format(
-            "  {}: {} cycles, {} of them late; {} ended after the next deadline, "
-            "{} of these by more than guardian_stall; the latest began {:.0f} us late",
-            station->config.name, counts.cycles, station->servo->last().late_count, counts.ended_late,
-            counts.restarts, static_cast<double>(counts.worst_lateness) * 1e-3));
+        say(
+            fmt::format("  {}: {} cycles, {} of them late; {} ended after the next deadline, "
+                        "{} of these by more than guardian_stall; the latest began {:.0f} us late, the "
+                        "longest took {:.0f} us",
+                        station->config.name, counts.cycles, station->servo->last().late_count,
+                        counts.ended_late, counts.restarts, static_cast<double>(counts.worst_lateness) * 1e-3,
+                        static_cast<double>(counts.longest) * 1e-3));
     }
     if (end == Broker::End::guardian_died) {
         complain(

@@ -114,7 +114,10 @@ void Loop::run() noexcept {
 
         ++seen_.cycles;
         seen_.worst_lateness = std::max(seen_.worst_lateness, now - deadline);
-        deadlines.advance(clock.now());
+        const Nanoseconds end = clock.now();
+        servo_.took(end - now);
+        seen_.longest = std::max(seen_.longest, end - now);
+        deadlines.advance(end);
     }
     seen_.ended_late = deadlines.ended_late();
     seen_.restarts = deadlines.restarts();

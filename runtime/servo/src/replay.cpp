@@ -194,6 +194,14 @@ const Report* Replay::feed(const InputRecord& record) {
             if (record.bytes.size() != cycle.bytes()) nonsense(record, "is no cycle");
             return step(cycle);
         }
+        case InputType::shed: {
+            Claim& claim = held(record)->claim;
+            const std::size_t place = servo_->impl_->claims.find(&claim);
+            if (place == servo_->impl_->claims.size())
+                nonsense(record, "puts a claim aside that is not there");
+            servo_->impl_->shed(place);
+            return nullptr;
+        }
         case InputType::asset:
             give(record);
             return nullptr;
@@ -244,6 +252,7 @@ const Report* Replay::step(const CycleInput& cycle) {
     given.buttons = cycle.buttons;
     if ((cycle.flags & CycleInput::guardian) != 0) servo_->guardian_acted();
     if ((cycle.flags & CycleInput::jumped) != 0) servo_->clock_jumped();
+    servo_->impl_->load.set_ppm(cycle.load_ppm);
     servo_->step(cycle.deadline, cycle.now);
     for (auto& [number, claim] : claims_) claim->replies.pop(claim->replies.available());
     free_released();

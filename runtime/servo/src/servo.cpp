@@ -23,6 +23,7 @@ Servo::Impl::Impl(drivers::Device& the_device, Clock& the_clock, std::byte* segm
       options(stated),
       period(std::llround(1e9 / stated.rate)),
       stages(the_clock),
+      load(period),
       tip(the_device, stated.supervisor.off),
       supervisor(the_device.link(), stated.supervisor, stated.rate),
       reports(with_empty_ring(segment) + protocol::device_layout().reports, protocol::report_slots,
@@ -74,6 +75,7 @@ double Servo::Impl::begin_cycle(Nanoseconds deadline, Nanoseconds now) noexcept 
         supervisor.hold();
     }
     if (guardian) supervisor.hold();
+    watch_load();
     // Representations never get a time gap.
     return std::clamp(seconds, 0.0, std::max(options.max_dt, 1 / options.rate));
 }
@@ -106,6 +108,7 @@ void Servo::Impl::read_device(Nanoseconds now) noexcept {
         disarm_claims();  // a claim that arms during the ramp down arms only itself
     }
     if (trouble != 0) supervisor.raise(trouble);
+    if (load.overloaded()) trouble |= fault::overload;  // ramps down first: see watch_load
 }
 
 void Servo::Impl::take_mail(Nanoseconds now) noexcept {
@@ -178,16 +181,20 @@ void Servo::Impl::take_changes(Nanoseconds now) noexcept {
                               .calibrated = tip.connected && tip.sample.calibrated,
                               .speed = tip.velocity.norm(),
                               .ending = ending,
-                              .trouble = trouble};
+                              .trouble = trouble,
+                              .load = load.mean()};
     const auto listening = [](const Claim::Impl& c) { return c.channels && !c.dropping && !c.faulted; };
+    constexpr std::uint64_t shed_every = 16;  // cycles
+    const auto heard_now = [&](const Claim::Impl& c) { return !c.shed || report.cycle % shed_every == 0; };
     // Two passes: cache lines that other cores wrote are fetched in parallel, not one after the other.
     for (const std::size_t place : claims.awake())
         if (const Claim::Impl& c = claims[place]; listening(c)) c.channels->batches.prefetch();
+    Nanoseconds taken = load.looks() ? clock.now() : 0;
     for (const std::size_t place : claims.awake()) {
         Claim::Impl& c = claims[place];
         if (c.forgotten != 0) return_assets(claims.claim(place));
         c.batch_is_new = false;
-        if (!listening(c)) continue;
+        if (!listening(c) || !heard_now(c)) continue;
         command_processor.take_commands(c, authority, now);
         if (!c.faulted) command_processor.take_batch(c, report.cycle, now);
         if (c.batch_is_new) c.scene.set_fade(fade_for(c));
@@ -195,6 +202,7 @@ void Servo::Impl::take_changes(Nanoseconds now) noexcept {
         if (c.from_the_start) c.scene.settle();
         settles = settles || c.from_the_start;
         c.from_the_start = false;
+        if (load.looks()) taken = charge(c, taken);
     }
 }
 
@@ -208,13 +216,18 @@ Wrench Servo::Impl::evaluate_claims(Nanoseconds now, double dt) noexcept {
     evaluated = 0;
     present = claims.sleeping().present;
     in_contact = nullptr;
+    Nanoseconds from = load.looks() ? clock.now() : 0;
     for (const std::size_t place : claims.awake()) {
         Claim::Impl& c = claims[place];
         if (!c.channels) continue;
         if (options.silence) c.watch_silence(now);
         c.advance_gain(gain_step);
         c.scene.set_scales(budget.scales());
-        evaluate_scene(place, probe, dt);
+        if (!c.shed) evaluate_scene(place, probe, dt);
+        if (load.looks()) {
+            from = charge(c, from);
+            c.cost += (std::exchange(c.charged, 0.0) - c.cost) / 4;
+        }
         evaluated += c.scene.evaluated();
         present += c.scene.size();
         if (c.touching && in_contact == nullptr) in_contact = &c;
@@ -236,7 +249,7 @@ Wrench Servo::Impl::evaluate_claims(Nanoseconds now, double dt) noexcept {
 // A scene out of the hand's reach has no force, so sleeping scenes add no load.
 void Servo::Impl::keep_within_budget(const Probe& probe, double dt) noexcept {
     const auto felt = [](const Claim::Impl& c) {
-        return c.channels && (c.gain > 0 || c.gain_lost > 0) && !c.quiet();
+        return c.channels && (c.gain > 0 || c.gain_lost > 0) && !c.quiet() && !c.shed;
     };
     LoadBound bound{.surfaces = claims.sleeping().surfaces};
     for (const std::size_t place : claims.awake()) {
@@ -370,6 +383,10 @@ const Supervisor& Servo::supervisor() const noexcept {
 void Servo::guardian_acted() noexcept {
     impl_->guardian = true;
     ++impl_->guardian_zeroings;
+}
+
+void Servo::took(Nanoseconds time) noexcept {
+    impl_->load.took(time);
 }
 
 void Servo::clock_jumped() noexcept {

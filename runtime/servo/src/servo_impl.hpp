@@ -11,6 +11,7 @@
 
 #include "claim_set.hpp"
 #include "command_processor.hpp"
+#include "load_watch.hpp"
 #include "mailbox.hpp"
 #include "stage_clock.hpp"
 #include "tip_estimator.hpp"
@@ -38,6 +39,14 @@ struct Servo::Impl {
     Wrench evaluate_claims(Nanoseconds now, double dt) noexcept;
     Supervised supervise(const Wrench& sum, double dt) noexcept;
     void notify_device() noexcept;
+
+    // servo_load.cpp
+    void watch_load() noexcept;
+    /// Adds the time since `from` to what the claim costs. Returns the present time.
+    Nanoseconds charge(Claim::Impl& claim, Nanoseconds from) noexcept;
+    void shed_costliest() noexcept;
+    void shed(std::size_t place) noexcept;
+
     void write_device(Nanoseconds now, const Supervised& out) noexcept;
     void publish(Nanoseconds deadline, const Wrench& sum, const Supervised& out) noexcept;
     void publish_counters(Nanoseconds now) noexcept;
@@ -62,7 +71,8 @@ struct Servo::Impl {
     template <class Visit>
     void state(Visit& visit) noexcept {
         visit(first, last_now, budget, enabled, guardian, unplugged, ending, late, report.cycle,
-              report.buttons, report.flags, report.presses, report.touches, claims_seen, tip, supervisor);
+              report.buttons, report.flags, report.presses, report.touches, claims_seen, tip, supervisor,
+              overloaded);
     }
 
     void adopt(Claim* claim, Nanoseconds now) noexcept;
@@ -78,6 +88,8 @@ struct Servo::Impl {
     Nanoseconds period;
 
     StageClock stages;
+    LoadWatch load;
+    bool overloaded = false;  // the device ramps down for it
     TipEstimator tip;
     Supervisor supervisor;
     CommandProcessor command_processor;
@@ -108,7 +120,9 @@ struct Servo::Impl {
     Report report;
     // of the last reports, to compute the age of a batch
     std::array<Nanoseconds, protocol::report_slots> read_times = {};
-    std::uint64_t late = 0, overruns = 0, stalls = 0, guardian_zeroings = 0, evaluated = 0, present = 0;
+    std::uint64_t longest_step = 0;  // ns
+    std::uint64_t late = 0, overruns = 0, claims_shed = 0, stalls = 0, guardian_zeroings = 0, evaluated = 0,
+                  present = 0;
 
     InputLog* input_log = nullptr;    // null: nobody records
     std::uint64_t next_keyframe = 0;  // the first cycle in which a keyframe is due

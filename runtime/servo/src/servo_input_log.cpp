@@ -29,6 +29,7 @@ void Servo::Impl::put_cycle(Nanoseconds deadline, Nanoseconds now) noexcept {
                       .write_ns = write_ns,
                       .status = static_cast<std::uint32_t>(tip.status),
                       .buttons = given.buttons,
+                      .load_ppm = load.ppm(),
                       .position = given.position};
     if (given.has_velocity) record.velocity = given.velocity;
     record.flags = (given.has_velocity ? CycleInput::has_velocity : 0) |

@@ -84,7 +84,11 @@ void Servo::Impl::publish_counters(Nanoseconds now) noexcept {
     set(protocol::Count::reps_present, present);
     set(protocol::Count::reps_evaluated, evaluated);
     set(protocol::Count::clients, claims.size());
-    set(protocol::Count::last_step_ns, static_cast<std::uint64_t>(std::max<Nanoseconds>(0, write_ns - now)));
+    const auto step = static_cast<std::uint64_t>(std::max<Nanoseconds>(0, write_ns - now));
+    longest_step = std::max(longest_step, step);
+    set(protocol::Count::last_step_ns, step);
+    set(protocol::Count::longest_step_ns, longest_step);
+    set(protocol::Count::claims_shed, claims_shed);
     set(protocol::Count::device_state, static_cast<std::uint64_t>(supervisor.state()));
     set(protocol::Count::fault_mask, supervisor.faults());
     set(protocol::Count::generated_energy_uj,

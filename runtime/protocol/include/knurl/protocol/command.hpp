@@ -133,6 +133,8 @@ enum class RefusalReason : std::uint32_t {
     forbidden,
     /// The cause of the fault goes on: end it first; value: the mask of what goes on.
     cause_persists,
+    /// The cycle has no time left for it; value: what it takes already, as a share of the period.
+    cycle_full,
 };
 
 /// A batch of parameter updates in the triple buffer: this header, then per entry an EntryHeader and its

@@ -110,6 +110,10 @@ enum class Count : std::uint32_t {
     clients,
     /// Time from the begin of the last cycle to the end of its write (ns).
     last_step_ns,
+    /// The longest such time of any cycle (ns).
+    longest_step_ns,
+    /// Times that a claim was put aside, because the cycles had no time for it.
+    claims_shed,
     /// DeviceState.
     device_state,
     /// Bit mask of faults.
@@ -137,40 +141,15 @@ enum class Count : std::uint32_t {
 };
 /// Their names, in order.
 inline constexpr std::string_view count_names[] = {
-    "cycles",
-    "late_cycles",
-    "overruns",
-    "stalls",
-    "batches_taken",
-    "batches_refused",
-    "batches_merged",
-    "commands_done",
-    "commands_refused",
-    "bad_samples",
-    "stale_samples",
-    "kinematics_failures",
-    "slew_clips",
-    "force_clamps",
-    "thermal_clamps",
-    "joint_clamps",
-    "faults",
-    "wakes",
-    "guardian_zeroings",
-    "reps_present",
-    "reps_evaluated",
-    "clients",
-    "last_step_ns",
-    "device_state",
-    "fault_mask",
-    "generated_energy_uj",
-    "stamped_cycles",
-    "read_ns",
-    "kinematics_ns",
-    "take_ns",
-    "scenes_ns",
-    "supervise_ns",
-    "write_ns",
-    "publish_ns",
+    "cycles",           "late_cycles",     "overruns",          "stalls",
+    "batches_taken",    "batches_refused", "batches_merged",    "commands_done",
+    "commands_refused", "bad_samples",     "stale_samples",     "kinematics_failures",
+    "slew_clips",       "force_clamps",    "thermal_clamps",    "joint_clamps",
+    "faults",           "wakes",           "guardian_zeroings", "reps_present",
+    "reps_evaluated",   "clients",         "last_step_ns",      "longest_step_ns",
+    "claims_shed",      "device_state",    "fault_mask",        "generated_energy_uj",
+    "stamped_cycles",   "read_ns",         "kinematics_ns",     "take_ns",
+    "scenes_ns",        "supervise_ns",    "write_ns",          "publish_ns",
 };
 static_assert(sizeof(count_names) / sizeof(count_names[0]) == static_cast<std::size_t>(Count::size_));
 
@@ -204,6 +183,8 @@ struct alignas(128) ClientRow {
     std::atomic<std::uint64_t> silent;
     /// 1: armed.
     std::atomic<std::uint64_t> armed;
+    /// 1: put aside, because the cycles had no time for it.
+    std::atomic<std::uint64_t> shed;
     /// Reports missed, as the client itself says; some cycles late.
     std::atomic<std::uint64_t> missed;
     /// What the hand's budget takes from surfaces, 1 - HandScales::contacts (millionths); 0: nothing.

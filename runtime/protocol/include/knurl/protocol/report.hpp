@@ -52,6 +52,8 @@ inline constexpr std::uint32_t clock_jump = 1u << 7;
 inline constexpr std::uint32_t kinematics = 1u << 8;
 /// The guardian put the motors to zero while the servo stalled.
 inline constexpr std::uint32_t guardian = 1u << 9;
+/// Cycles took longer than the period, on average over 20 ms.
+inline constexpr std::uint32_t overload = 1u << 10;
 }  // namespace fault
 
 /// What the servo publishes in each cycle of a device. In the device frame; a claim's library converts it

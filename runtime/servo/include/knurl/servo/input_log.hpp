@@ -49,6 +49,8 @@ enum class InputType : std::uint16_t {
     asset,
     /// Number of the claim, of the asset.
     asset_forgotten,
+    /// Number of the claim: put aside, because the cycles had no time for it.
+    shed,
 };
 
 /// What a cycle was given besides what claims sent. Without the velocities where the device measures none.
@@ -69,8 +71,8 @@ struct CycleInput {
     std::uint32_t flags = 0;
     /// Bit mask of buttons.
     std::uint32_t buttons = 0;
-    /// Padding; 0.
-    std::uint32_t reserved = 0;
+    /// Share of the period that cycles took, as the servo decided by it (millionths).
+    std::uint32_t load_ppm = 0;
     /// Positions of the sample that the device gave (rad, m).
     std::array<double, 8> position = {};
     /// Velocities of that sample (rad/s, m/s).

@@ -66,6 +66,8 @@ struct LoopCounts {
     std::uint64_t restarts = 0;
     /// Latest begin of a cycle (ns).
     Nanoseconds worst_lateness = 0;
+    /// The longest cycle (ns).
+    Nanoseconds longest = 0;
 };
 
 /// The thread of one device.

@@ -95,6 +95,9 @@ class Servo {
     /// ns).
     void step(Nanoseconds deadline, Nanoseconds now) noexcept;
 
+    /// From the servo's thread, after step: how long the cycle took (ns). Without it the servo takes any work.
+    void took(Nanoseconds time) noexcept;
+
     /// After step: the clients that may wait for its report, for Waker::wake.
     std::span<const shm::WakeTarget> wake_targets() const noexcept;
     /// The report of the last cycle.
