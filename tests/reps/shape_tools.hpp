@@ -7,12 +7,6 @@
 
 namespace knurl::test {
 
-using Long = Eigen::Matrix<long double, 3, 1>;
-
-inline Long exact(const Vec3& v) {
-    return to_eigen(v).cast<long double>();
-}
-
 /// A surface as in the servo: prepared, adopted, evaluated once per cycle.
 template <class R>
 struct Evaluated {
