@@ -52,7 +52,8 @@ void follow(Case& c, R& surface, Touch& touch, const Shape& shape, const Vector&
         const std::optional<exact::Foot> foot = touch.step(shape, real(p) - moved * carried, radius);
         const Real reach = std::max(
             {Real(p.norm()), Real(about.norm()), Real(size), Real(radius), moved * exact::length(carried)});
-        if (touch.doubt < 1e-12L * reach) return;  // rounding decides
+        if (touch.doubt < 1e-12L * reach) return;                                      // rounding decides
+        if (rng.one_in(2)) scene.evaluate(at(about + 2 * size * rng.direction()), 0);  // leaves no trace
         const Wrench got = scene.evaluate(hand, dt);
         const Wrench again = scene.evaluate(hand, 0);
         c.require(got.force == again.force, "the same without time");

@@ -108,30 +108,6 @@ TEST(SolidBox, OneThatMovesTakesAHandThatRestsAlongAlsoByAnUpdate) {
     EXPECT_EQ(sent.at(p).normal, Vector(0, 0, 1));
 }
 
-TEST(SolidBox, WithNoTimePassedTheAnswerIsThatOfTheCycleAndNothingAdvances) {
-    Rng rng(seed);
-    for (int round = 0; round < 3'000; ++round) {
-        Box box = random_box(rng, 0.02, 0.1);
-        box.velocity = to_plain(direction(rng));
-        box.side = between(rng, 0, 3) ? Side::outside : Side::inside;
-        Touchable solid(box);
-        const double radius = between(rng, 0, 1) ? 0.003 : 0;
-        for (int i = 0; i < 20; ++i) {
-            const Vector p =
-                in_world(box, any_in(rng, to_eigen(box.half_size) + Vector(0.005, 0.005, 0.005), 1.2));
-            const auto before = solid.state;
-            if (between(rng, 0, 1)) solid.at(p, radius, 0);
-            ASSERT_EQ(std::memcmp(&before, &solid.state, sizeof before), 0);
-            const Contact first = solid.at(p, radius);
-            const auto after = solid.state;
-            const Contact again = solid.at(p, radius, 0);
-            ASSERT_EQ(std::memcmp(&after, &solid.state, sizeof after), 0);
-            ASSERT_EQ(first.height, again.height) << "seed " << seed << " round " << round;
-            ASSERT_EQ(first.normal, again.normal);
-        }
-    }
-}
-
 TEST(SolidBox, IsOutOfReachOutsideOfItsBallUnlessItHoldsTheProbe) {
     Rng rng(seed);
     for (int round = 0; round < 5'000; ++round) {

@@ -82,19 +82,6 @@ TEST(Cap, TheNormalIsTheHeightsGradient) {
     }
 }
 
-TEST(Cap, GivesBackTheWorkOfEveryClosedLoop) {
-    const std::uint64_t seed = 4207;
-    Rng rng(seed);
-    for (int round = 0; round < 40; ++round) {
-        Cap params = random_cap(rng, 0.02, round % 2);
-        params.rim = round % 4 < 2 ? 0.15 : 0.05;  // the loop crosses it
-        Evaluated<Cap> cap(params);
-        const SmallLoop loop(rng, -0.001 * to_eigen(params.normal));
-        const double sum = work_along(loop, 20'000, [&](const Vector& p) { return force_of(cap(p)); });
-        EXPECT_LE(std::abs(sum), 1e-8) << "J; seed " << seed << " round " << round;
-    }
-}
-
 TEST(Cap, AtAndBeyondItsCentreItIsStillASurface) {
     Rng rng(4208);
     for (const double k : {50.0, -50.0, 1e9, -1e9}) {

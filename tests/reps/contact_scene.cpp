@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "scene_tools.hpp"
+#include "shape_tools.hpp"
 
 using namespace knurl;
 using namespace knurl::test;
@@ -206,5 +206,23 @@ TEST(ContactScene, TheSharesReportedToTheOwnersAddUpToTheForce) {
             EXPECT_EQ((feedback[i].flags & Feedback::touching) != 0, feedback[i].wrench.force.norm() > 0);
         }
         ASSERT_LE((sum - w.force).norm(), 1e-9 * (1 + w.force.norm()));
+    }
+}
+
+TEST(ContactScene, DampingOnlyTakesFromAHandThatGoesRound) {
+    Rng rng(79);
+    for (int round = 0; round < 20; ++round) {
+        Scene scene = make_scene();
+        for (std::uint32_t i = 0; i < 4; ++i) {
+            ASSERT_TRUE(scene.add(
+                {i, 1},
+                Plane{.normal = to_plain(direction(rng)), .stiffness = 500.0 + 300 * i, .damping = 3}));
+        }
+        scene.settle();
+        const SmallLoop loop(rng, 0.003 * direction(rng), 0.002);
+        const double sum = work_along(loop, 20'000, [&](const Vector& p, const Vector& way) {
+            return Vector(scene.evaluate(at(p, way / 1e-5), dt).force);
+        });
+        EXPECT_LE(sum, 1e-8) << "the hand must not gain; round " << round;
     }
 }

@@ -73,24 +73,6 @@ TEST(Magnet, DrawsToItsSurfaceFromInsideToo) {
     EXPECT_EQ(felt(m, at({0, 0, 0})).force.norm(), 0.0);
 }
 
-TEST(Magnet, ReturnsTheWorkOfALoop) {
-    Rng rng(332);
-    for (const double radius : {0.0, 0.01}) {
-        const Magnet m{.radius = radius, .stiffness = 300, .max_force = 2, .max_distance = 0.015};
-        for (int i = 0; i < 20; ++i) {
-            const Vector a = direction(rng), b = direction(rng), c = 0.01 * direction(rng);
-            EXPECT_NEAR(work_of_loop(
-                            m,
-                            [&](double s) {
-                                const double t = 2 * M_PI * s;
-                                return Vector(c + 0.015 * (std::cos(t) * a + std::sin(t) * b));
-                            },
-                            100'000),
-                        0, 1e-8);
-        }
-    }
-}
-
 TEST(Magnet, WhoseReachEndsBeforeItsStrongestPullIsRefusedWithTheFigures) {
     EXPECT_EQ(refusal({.stiffness = 100, .max_force = 2, .max_distance = 0.015}),
               "magnet.max_distance = 0.015 m is not beyond max_force / stiffness = 0.02 m, where it pulls "

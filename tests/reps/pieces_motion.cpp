@@ -131,29 +131,6 @@ TEST(PieceInMotion, AnUpdateOfWhatItFeelsLikeLetsNothingGo) {
     EXPECT_NEAR(piece.at({0, 0, -0.002}).height, height - 1e-4, 1e-15);
 }
 
-TYPED_TEST(PiecesInMotion, WithNoTimePassedTheAnswerIsThatOfTheCycleAndNothingAdvances) {
-    for (int round = 0; round < 3'000; ++round) {
-        TypeParam raw = random_piece<TypeParam>(this->rng, 0.02, 0.1);
-        raw.sides = between(this->rng, 0, 1) ? Sides::both : Sides::front;
-        raw.velocity = to_plain(direction(this->rng));
-        const exact::Piece exactly = exact::piece_of(raw);
-        Touchable piece(raw);
-        const double radius = between(this->rng, 0, 1) ? 0.003 : 0;
-        for (int i = 0; i < 20; ++i) {
-            const Vector p = over(exactly, this->rng, 0.02, uniform(this->rng, -0.01, 0.01));
-            const auto before = piece.state;
-            if (between(this->rng, 0, 1)) piece.at(p, radius, 0);
-            ASSERT_EQ(std::memcmp(&before, &piece.state, sizeof before), 0);
-            const Contact first = piece.at(p, radius);
-            const auto after = piece.state;
-            const Contact again = piece.at(p, radius, 0);
-            ASSERT_EQ(std::memcmp(&after, &piece.state, sizeof after), 0);
-            ASSERT_EQ(first.height, again.height) << "seed " << this->seed << " round " << round;
-            ASSERT_EQ(first.normal, again.normal);
-        }
-    }
-}
-
 TEST(PieceInMotion, ACrossingSeenWithNoTimePassedIsFeltButNotRecorded) {
     Touchable piece(square());
     piece.at({0, 0, 1e-3});

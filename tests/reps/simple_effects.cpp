@@ -54,23 +54,6 @@ TEST(Constraint, HasNeitherADeadZoneNorAnEnd) {
     }
 }
 
-TEST(Constraint, ReturnsTheWorkOfALoop) {
-    Rng rng(322);
-    for (int i = 0; i < 30; ++i) {
-        const Constraint held{.direction = to_plain(direction(rng)),
-                              .stiffness = 2000,
-                              .shape = static_cast<ConstraintShape>(i % 3)};
-        const Vector a = direction(rng), b = direction(rng), c = direction(rng);
-        EXPECT_NEAR(
-            work_of_loop(held,
-                         [&](double s) {
-                             const double t = 2 * M_PI * s;
-                             return Vector(0.02 * (std::cos(t) * a + std::sin(t) * b + std::sin(3 * t) * c));
-                         }),
-            0, 1e-9);
-    }
-}
-
 TEST(Constraint, IsAsStiffAsTheDeviceAllowsAndDampedAsMuchAsItStands) {
     const Constraint held =
         prepared(Constraint{.stiffness = infinity, .damping = 1e9}, {.max_stiffness = 1700});
