@@ -9,6 +9,8 @@
 #include <knurl/reps/all.hpp>
 #include <knurl/scenefile/scene_file.hpp>
 
+#include "../refusal.hpp"
+
 namespace knurl::scenefile {
 
 inline SceneFile scene_of(const std::string& text) {
@@ -25,12 +27,7 @@ R params_of(const Change& change) {
 }
 
 inline std::string error_of(const std::string& text) {
-    try {
-        scene_of(text);
-    } catch (const SceneError& error) {
-        return error.what();
-    }
-    return "no error";
+    return test::refusal_of<SceneError>([&] { scene_of(text); });
 }
 
 }  // namespace knurl::scenefile

@@ -12,6 +12,7 @@
 #include <knurl/meshfile/mesh_file.hpp>
 #include <knurl/meshfile/unit.hpp>
 
+#include "../refusal.hpp"
 #include "material.hpp"
 #include "program.hpp"
 #include "record.hpp"
@@ -61,12 +62,7 @@ std::string as_stl(const Made& mesh) {
 }
 
 std::string refusal(const std::string& path) {
-    try {
-        knurl::meshfile::load_mesh(path);
-    } catch (const std::runtime_error& error) {
-        return error.what();
-    }
-    return "accepted";
+    return knurl::test::refusal_of([&] { knurl::meshfile::load_mesh(path); });
 }
 
 TEST(MeshFiles, TheSameThingComesOutOfEveryFormat) {
@@ -98,12 +94,7 @@ TEST(MeshFiles, MaterialsOfAnObjBecomeMaterialsOfItsTriangles) {
 }
 
 std::string refused(const std::vector<std::string>& settings) {
-    try {
-        feel::materials_of({"hard", "soft"}, settings);
-    } catch (const std::runtime_error& error) {
-        return error.what();
-    }
-    return "";
+    return knurl::test::refusal_of([&] { feel::materials_of({"hard", "soft"}, settings); });
 }
 
 TEST(Materials, AreSharesByTheNamesOfTheFile) {

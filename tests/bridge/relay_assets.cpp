@@ -9,6 +9,7 @@
 #include <knurl/protocol/asset.hpp>
 #include <knurl/reps/shape.hpp>
 
+#include "../refusal.hpp"
 #include "relay_stranger.hpp"
 
 namespace knurl::bridge::test {
@@ -19,12 +20,7 @@ Triangles triangles_of(const knurl::test::MadeMesh& shape) {
 }
 
 std::string refused(const auto& act) {
-    try {
-        act();
-    } catch (const Error& error) {
-        return error.what();
-    }
-    return "accepted";
+    return knurl::test::refusal_of<Error>(act);
 }
 
 /// The bytes that a library sends for it.

@@ -9,6 +9,7 @@
 
 #include <knurl/reps/shape.hpp>
 
+#include "../refusal.hpp"
 #include "servo_process.hpp"
 
 namespace client_test {
@@ -18,12 +19,7 @@ inline knurl::Triangles triangles_of(const knurl::test::MadeMesh& shape) {
 }
 
 inline std::string answer_to(const auto& act) {
-    try {
-        act();
-    } catch (const knurl::Error& error) {
-        return error.what();
-    }
-    return "accepted";
+    return knurl::test::refusal_of<knurl::Error>(act);
 }
 
 struct Sent : testing::Test {

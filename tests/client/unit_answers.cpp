@@ -15,6 +15,8 @@
 #include <knurl/shm/segment.hpp>
 #include <knurl/shm/socket.hpp>
 
+#include "../refusal.hpp"
+
 namespace {
 
 using namespace knurl;
@@ -109,17 +111,6 @@ class PlayedServo {
     std::jthread broker_;
 };
 
-/// The text of the error that the call throws.
-template <class Call>
-std::string error_of(Call call) {
-    try {
-        call();
-    } catch (const Error& error) {
-        return error.what();
-    }
-    return "no error";
-}
-
 class Answers : public ::testing::Test {
   protected:
     PlayedServo servo;
@@ -137,7 +128,7 @@ class Answers : public ::testing::Test {
                           .reason = static_cast<std::uint32_t>(reason)});
             servo.cycle();
         });
-        return error_of(call);
+        return test::refusal_of<Error>(call);
     }
 };
 
@@ -157,7 +148,8 @@ TEST_F(Answers, arm_waits_for_its_own_and_says_why_not) {
 }
 
 TEST_F(Answers, a_servo_that_does_not_is_given_a_second) {
-    EXPECT_NE(error_of([&] { hand.arm(); }).find("has not answered for 1000 ms"), std::string::npos);
+    EXPECT_NE(test::refusal_of<Error>([&] { hand.arm(); }).find("has not answered for 1000 ms"),
+              std::string::npos);
 }
 
 TEST_F(Answers, an_added_one_that_is_refused_is_heard_at_the_next_commit_and_its_handle_is_stale) {
@@ -169,10 +161,11 @@ TEST_F(Answers, an_added_one_that_is_refused_is_heard_at_the_next_commit_and_its
                   .field = Verdict::no_field,
                   .value = 7,
                   .kind = kind_of<ConstantForce>});
-    EXPECT_NE(error_of([&] { hand.commit(); }).find("constant_force"), std::string::npos);
+    EXPECT_NE(test::refusal_of<Error>([&] { hand.commit(); }).find("constant_force"), std::string::npos);
     EXPECT_TRUE(servo.take()) << "the batch was sent all the same";
-    EXPECT_EQ(error_of([&] { hand.commit(); }), "no error") << "once";
-    EXPECT_NE(error_of([&] { force.set({}); }).find("was removed, or refused"), std::string::npos);
+    EXPECT_EQ(test::refusal_of<Error>([&] { hand.commit(); }), "accepted") << "once";
+    EXPECT_NE(test::refusal_of<Error>([&] { force.set({}); }).find("was removed, or refused"),
+              std::string::npos);
 }
 
 TEST_F(Answers, of_a_group_the_member_at_fault_is_named_not_the_others) {
@@ -197,7 +190,7 @@ TEST_F(Answers, of_a_group_the_member_at_fault_is_named_not_the_others) {
                   .value = 1,
                   .kind = kind_of<Spring>});
     servo.answer(group(third.number));
-    const std::string text = error_of([&] { hand.commit(); });
+    const std::string text = test::refusal_of<Error>([&] { hand.commit(); });
     EXPECT_NE(text.find("adding a spring"), std::string::npos) << text;
 }
 
@@ -213,11 +206,11 @@ TEST_F(Answers, a_refused_batch_names_its_field_and_is_counted) {
     header.refused_field = 1;
     header.refused_value = std::numeric_limits<double>::infinity();
     servo.feed_back(header);
-    const std::string text = error_of([&] { hand.wait_applied(number, 10s); });
+    const std::string text = test::refusal_of<Error>([&] { hand.wait_applied(number, 10s); });
     EXPECT_NE(text.find("batch 1, slot 0"), std::string::npos) << text;
     EXPECT_NE(text.find("plane.offset"), std::string::npos) << text;
     EXPECT_EQ(hand.timing().refused, 1u);
-    EXPECT_EQ(error_of([&] { hand.commit(); }), "no error") << "told once";
+    EXPECT_EQ(test::refusal_of<Error>([&] { hand.commit(); }), "accepted") << "told once";
 }
 
 TEST_F(Answers, a_contradiction_says_its_reason) {
@@ -229,7 +222,7 @@ TEST_F(Answers, a_contradiction_says_its_reason) {
                   .value = 0.25,
                   .reason = 0,
                   .kind = kind_of<Plane>});
-    std::string text = error_of([&] { hand.commit(); });
+    std::string text = test::refusal_of<Error>([&] { hand.commit(); });
     EXPECT_NE(text.find("plane.friction.static = 0.25 is below friction.dynamic; give at least as much"),
               std::string::npos)
         << text;
@@ -244,7 +237,7 @@ TEST_F(Answers, a_contradiction_says_its_reason) {
     header.refused_reason = 0;
     ASSERT_TRUE(servo.take());
     servo.feed_back(header);
-    text = error_of([&] { hand.wait_applied(1, 10s); });
+    text = test::refusal_of<Error>([&] { hand.wait_applied(1, 10s); });
     EXPECT_NE(text.find("plane.friction.static = 0.5 is below friction.dynamic"), std::string::npos) << text;
 }
 
@@ -254,7 +247,7 @@ TEST_F(Answers, a_contradiction_is_heard_whatever_its_index_also_the_one_that_me
                   .code = static_cast<std::uint32_t>(Verdict::Code::contradiction),
                   .reason = static_cast<std::uint32_t>(protocol::RefusalReason::group_refused),
                   .kind = kind_of<Plane>});
-    EXPECT_NE(error_of([&] { hand.commit(); }).find("contradicts"), std::string::npos);
+    EXPECT_NE(test::refusal_of<Error>([&] { hand.commit(); }).find("contradicts"), std::string::npos);
 }
 
 TEST_F(Answers, a_batch_says_how_many_commands_came_before_it_and_which_report_it_stems_from) {

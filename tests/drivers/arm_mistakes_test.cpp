@@ -7,6 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "../refusal.hpp"
 #include "arm_example.hpp"
 
 namespace knurl::drivers {
@@ -15,12 +16,7 @@ namespace {
 using namespace arms;
 
 std::string refusal(const std::string& text) {
-    try {
-        parse_arm(text, "mine.toml");
-    } catch (const std::runtime_error& error) {
-        return error.what();
-    }
-    return "accepted";
+    return test::refusal_of([&] { parse_arm(text, "mine.toml"); });
 }
 
 TEST(ArmFile, SaysWhatIsWrongWhereAndWhatToDo) {
@@ -164,12 +160,7 @@ TEST(ArmFile, WhatIsNoSmallFileIsNotRead) {
     fs::resize_file(huge, 5'000'000'000);  // a sparse file: takes no space
     ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
     const auto said = [](const std::string& path) -> std::string {
-        try {
-            load_arm(path);
-        } catch (const std::runtime_error& error) {
-            return error.what();
-        }
-        return "accepted";
+        return test::refusal_of([&] { load_arm(path); });
     };
     const std::string mend = "; give an arm's TOML file";
     EXPECT_EQ(said("/dev/zero"), "/dev/zero: is a device, pipe or socket, not a file" + mend);

@@ -10,6 +10,8 @@
 
 #include <knurl/drivers/delta.hpp>
 
+#include "../refusal.hpp"
+
 namespace knurl::drivers {
 namespace {
 
@@ -307,12 +309,7 @@ TEST(Delta, SaysWhenAPositionIsOutOfReach) {
 
 TEST(Delta, SaysWhatIsWrongWithATable) {
     const auto refusal = [](const DeltaTable& table) -> std::string {
-        try {
-            Delta delta(table);
-        } catch (const std::runtime_error& error) {
-            return error.what();
-        }
-        return "accepted";
+        return test::refusal_of([&] { Delta delta(table); });
     };
     DeltaTable table = falcon_delta();
     EXPECT_EQ(refusal(table), "accepted");

@@ -14,6 +14,8 @@
 #include <knurl/drivers/serial_chain.hpp>
 #include <knurl/drivers/sim_profile.hpp>
 
+#include "../refusal.hpp"
+
 namespace knurl::drivers {
 namespace {
 
@@ -241,12 +243,7 @@ TEST(PhantomWithWrist, RowsOfTheTableGiveTheArmsTip) {
 
 TEST(SerialChain, SaysWhatIsWrongWithATable) {
     const auto refusal = [](const SerialChainTable& table) -> std::string {
-        try {
-            SerialChain chain(table);
-        } catch (const std::runtime_error& error) {
-            return error.what();
-        }
-        return "accepted";
+        return test::refusal_of([&] { SerialChain chain(table); });
     };
     SerialChainTable table;
     EXPECT_EQ(refusal(table), "serial chain: 0 rows; give 1 to 8");

@@ -12,6 +12,8 @@
 #include <knurl/drivers/motion.hpp>
 #include <knurl/drivers/motion_device.hpp>
 
+#include "../refusal.hpp"
+
 namespace knurl::drivers {
 namespace {
 
@@ -19,12 +21,7 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 std::string refusal(const std::string& text) {
-    try {
-        parse_motion(text, "m.csv");
-    } catch (const std::runtime_error& error) {
-        return error.what();
-    }
-    return "accepted";
+    return test::refusal_of([&] { parse_motion(text, "m.csv"); });
 }
 
 TEST(MotionFile, HasAnOptionalHeaderCommentsAndBlankLines) {
@@ -74,12 +71,7 @@ TEST(MotionFile, IsReadFromDiskAndNamedWhenItCannotBe) {
     EXPECT_EQ(load_motion(path).rows()[0].position, Vector3d(1, 2, 3));
     std::ofstream(path, std::ios::trunc).flush();
     const auto message = [](const std::string& name) -> std::string {
-        try {
-            load_motion(name);
-        } catch (const std::runtime_error& error) {
-            return error.what();
-        }
-        return "accepted";
+        return test::refusal_of([&] { load_motion(name); });
     };
     EXPECT_EQ(message(path), path + ":1: no rows; give lines of t,x,y,z (s, m), at least one");
     std::filesystem::remove(path);

@@ -15,6 +15,8 @@
 
 #include <knurl/drivers/sim_profile.hpp>
 
+#include "../refusal.hpp"
+
 namespace knurl::drivers::shared_sim {
 namespace {
 
@@ -232,12 +234,7 @@ TEST_F(SharedSim, ItsLogSurvivesItsOwnKill) {
 TEST_F(SharedSim, SaysWhatIsMissing) {
     enrol();
     const auto refusal = [](const std::string& address) -> std::string {
-        try {
-            open_device(address);
-        } catch (const std::runtime_error& error) {
-            return error.what();
-        }
-        return "accepted";
+        return test::refusal_of([&] { open_device(address); });
     };
     EXPECT_EQ(refusal("shared-sim:" + path_),
               path_ + ": No such file or directory; start knurl-fake-device " + path_);

@@ -9,6 +9,8 @@
 
 #include <knurl/drivers/sim_device.hpp>
 
+#include "../refusal.hpp"
+
 namespace knurl::drivers {
 namespace {
 
@@ -17,12 +19,7 @@ using Eigen::Vector3d;
 constexpr Nanoseconds millisecond = 1'000'000;
 
 std::string refusal(const std::string& address) {
-    try {
-        open_device(address);
-    } catch (const std::runtime_error& error) {
-        return error.what();
-    }
-    return "accepted";
+    return test::refusal_of([&] { open_device(address); });
 }
 
 /// A small servo: a wall and some random efforts, run for a while.

@@ -67,10 +67,13 @@ void judge_cap(Case& c, bool two) {
                  n = knurl::to_eigen(s.cap.normal).normalized();
     c.say("  curvature %g %g rim %g radius %g up %g across %g\n", s.cap.curvature, s.cap.curvature2,
           s.cap.rim, s.hand.radius, q.dot(n), (q - q.dot(n) * n).norm());
+    Alone<Cap> alone(s.cap, limits);
     for (int i = 0; i < 2; ++i) {
         const exact::Foot want = exact::cap(cap, real(s.hand.position), s.hand.radius);
+        const bool known = want.clear > 1e-12L * s.reach;
+        alone.check(c, s.hand, s.hand.radius, 1e-3, want, s.reach, known);
         check_one(c, scene.evaluate(s.hand, any_step(rng)).force, want, k, bounded(s.cap.damping, limits),
-                  s.hand, limits, s.reach, want.clear > 1e-12L * s.reach);
+                  s.hand, limits, s.reach, known);
         s.hand.position += rng.scale(1e-9, 1e-4) * rng.direction();
     }
 }

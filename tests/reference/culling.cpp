@@ -1,5 +1,5 @@
 // Skipping changes nothing: a scene of bounded surfaces against the same scene in which each is evaluated in
-// every cycle. A surface with a velocity has no bound; one of 1e-300 m/s moves it nowhere.
+// every cycle.
 
 #include <algorithm>
 #include <array>
@@ -11,6 +11,7 @@
 #include <knurl/reps/sphere.hpp>
 #include <knurl/reps/torus.hpp>
 
+#include "../reps/scene_pair.hpp"
 #include "judge.hpp"
 
 using namespace judge;
@@ -57,28 +58,6 @@ R placed(Rng& rng, R r, const Vector& p) {
     return r;
 }
 
-/// The scene as it is, and the one in which nothing is out of reach.
-struct Pair {
-    Scene skipping, exhaustive;
-    explicit Pair(const Scene::Capacity& capacity)
-        : skipping(capacity, limits()), exhaustive(capacity, limits()) {}
-    static Limits limits() { return {.max_stiffness = 2000, .max_force = 20}; }
-
-    template <class R>
-    bool add(RepresentationId h, R surface, std::uint32_t probe) {
-        const bool one = bool(skipping.add(h, surface, {.probe = probe}));
-        surface.velocity = {1e-300, 0, 0};
-        return one && bool(exhaustive.add(h, surface, {.probe = probe}));
-    }
-    template <class R>
-    bool update(RepresentationId h, R surface) {
-        const bool one = bool(skipping.update(h, surface));
-        surface.velocity = {1e-300, 0, 0};
-        return one && bool(exhaustive.update(h, surface));
-    }
-    bool remove(RepresentationId h) { return bool(skipping.remove(h)) && bool(exhaustive.remove(h)); }
-};
-
 struct Slot {
     int kind = -1;  // none
     std::uint32_t generation = 0;
@@ -87,12 +66,15 @@ struct Slot {
 struct World {
     static constexpr double cube = 0.1;  // m, half of it
     Rng& rng;
-    Pair pair;
+    knurl::test::ScenePair pair;
     std::vector<Slot> slots;
     std::uint32_t probes;
 
     World(Rng& r, std::uint32_t surfaces)
-        : rng(r), pair({surfaces, 3}), slots(surfaces), probes(static_cast<std::uint32_t>(r.between(1, 3))) {}
+        : rng(r),
+          pair({surfaces, 3}, {.max_stiffness = 2000, .max_force = 20}, {}),
+          slots(surfaces),
+          probes(static_cast<std::uint32_t>(r.between(1, 3))) {}
 
     Vector anywhere() {
         return {rng.uniform(-cube, cube), rng.uniform(-cube, cube), rng.uniform(-cube, cube)};
@@ -140,7 +122,7 @@ struct World {
             const std::uint32_t probe =
                 static_cast<std::uint32_t>(rng.between(0, static_cast<int>(probes) - 1));
             return act_with(s.kind, p, [&](const auto& surface) {
-                return pair.add({i, s.generation}, surface, probe);
+                return pair.add({i, s.generation}, surface, {.probe = probe});
             });
         }
         return act_with(s.kind, p, [&](const auto& surface) {
@@ -189,15 +171,12 @@ void judge_culling(Case& c, std::uint32_t surfaces, int cycles, Figures& figures
         const knurl::ProbePlacement placement{
             .offset = knurl::to_plain(i == 0 ? Vector(0, 0, 0) : Vector(0.03 * rng.direction())),
             .radius = rng.one_in(2) ? 0 : rng.uniform(0, 0.008)};
-        c.require(bool(w.pair.skipping.place_probe(i, placement)) &&
-                      bool(w.pair.exhaustive.place_probe(i, placement)),
-                  "placed");
+        c.require(w.pair.place_probe(i, placement), "placed");
     }
     for (std::uint32_t i = 0; i < surfaces; ++i) {
         if (!rng.one_in(5)) c.require(w.put(i, w.anywhere()), "added");
     }
-    w.pair.skipping.settle();
-    w.pair.exhaustive.settle();
+    w.pair.settle();
     if (rng.one_in(2)) w.pair.skipping.index();
 
     Probe hand = at(w.anywhere());

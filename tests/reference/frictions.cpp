@@ -22,34 +22,21 @@ struct Rub {
 
 Rub any_rub(Rng& rng, double stiffness, const Limits& limits, exact::Law::Kind kind) {
     Rub r;
-    r.law.kind = kind;
-    r.law.max_stiffness = limits.max_stiffness;
-    r.law.resolution = limits.resolution;
     if (kind == exact::Law::Kind::coulomb) {
         r.friction.dynamic = rng.one_in(10) ? 0 : rng.uniform(0.05, 1);
         r.friction.static_ = rng.one_in(3) ? knurl::automatic : r.friction.dynamic + rng.uniform(0, 0.5);
-        r.law.dynamic = r.friction.dynamic;
-        r.law.static_ = r.friction.static_ < 0 ? r.friction.dynamic : r.friction.static_;
-        r.law.stiffness = stiffness;
     } else {
         r.snag = {.k_kinetic = rng.one_in(5) ? 0 : rng.uniform(0.02, 1),
                   .k_stick = rng.uniform(50, 3000),
                   .d_snap = rng.scale(1e-4, 3e-3),
                   .d_mean = rng.scale(1e-4, 1e-2),
-                  .d_spread = 0,
-                  .seed = 1,
+                  .d_spread = rng.one_in(3) ? 0 : rng.scale(1e-4, 1e-2),
+                  .seed = static_cast<std::uint32_t>(rng.between(0, 1000)),
                   .law = kind == exact::Law::Kind::paper ? knurl::SnagLaw::paper : knurl::SnagLaw::passive};
-        r.law.d_snap = r.snag.d_snap, r.law.d_mean = r.snag.d_mean;
-        if (kind == exact::Law::Kind::paper) {
-            r.law.stiffness = r.snag.k_stick;
-            r.law.dynamic = r.snag.k_kinetic;
-        } else {
-            r.law.stiffness = std::min(Real(r.snag.k_stick), Real(limits.max_stiffness));
-            r.law.static_ = Real(r.snag.k_stick) * r.snag.d_snap;
-            r.law.dynamic = std::min(Real(r.snag.k_kinetic), r.law.static_);
-        }
+        if (kind == exact::Law::Kind::paper && rng.one_in(20)) r.snag.d_mean = 0;
     }
     if (rng.one_in(3)) r.friction.viscous = rng.scale(0.01, 100);
+    r.law = exact::law_of(r.friction, r.snag, stiffness, limits);
     r.law.viscous = bounded(r.friction.viscous, limits);
     return r;
 }

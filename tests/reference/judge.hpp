@@ -17,11 +17,13 @@
 
 #include <knurl/reps/scene.hpp>
 
-#include "exact/effects.hpp"
+#include "parameters.hpp"
 
 namespace judge {
 
+using exact::real;
 using exact::Real;
+using exact::tip_of;
 using knurl::Limits;
 using knurl::Probe;
 using knurl::RepresentationId;
@@ -87,19 +89,6 @@ class Rng {
   private:
     std::uint64_t state_;
 };
-
-inline exact::V real(const Vector& v) {
-    return {v.x(), v.y(), v.z()};
-}
-inline exact::V real(const Vec3& v) {
-    return {v.x, v.y, v.z};
-}
-inline exact::Turn real(const Eigen::Quaterniond& q) {
-    return {q.w(), q.x(), q.y(), q.z()};
-}
-inline exact::Turn real(const knurl::Quat& q) {
-    return {q.w, q.x, q.y, q.z};
-}
 
 /// What one case found, while it runs.
 class Case {

@@ -63,7 +63,7 @@ void go_round(Case& c, Scene& scene, const Loop& loop,
 }
 
 void loops(const std::string& kind, const std::function<void(Case&, Scene&, Vector&)>& build,
-           std::uint64_t share = 12) {
+           std::uint64_t share = 40) {
     run(
         "work, " + kind, share,
         [&](Case& c) {
@@ -83,31 +83,38 @@ void add(Case& c, Scene& scene, R r, std::uint32_t slot = 0) {
 }  // namespace
 
 TEST(Loops, OfPlanesOfAnyMixOfStiffnessReturnTheirWork) {
-    loops(
-        "planes",
-        [](Case& c, Scene& scene, Vector& about) {
-            PlaneScene s;
-            s.size = 0.003;
-            switch (c.rng.between(0, 3)) {
-                case 0:
-                    wedge(c.rng, s);
-                    break;
-                case 1:
-                    fan(c.rng, s);
-                    break;
-                case 2:
-                    slab(c.rng, s);
-                    break;
-                default:
-                    corner(c.rng, s);
-            }
-            for (std::uint32_t i = 0; i < s.planes.size(); ++i) {
-                s.planes[i].stiffness = c.rng.of(200, 500, 1000, 1000);
-                add(c, scene, s.planes[i], i);
-            }
-            about = s.probe;
-        },
-        40);
+    loops("planes", [](Case& c, Scene& scene, Vector& about) {
+        PlaneScene s;
+        s.size = 0.003;
+        switch (c.rng.between(0, 3)) {
+            case 0:
+                wedge(c.rng, s);
+                break;
+            case 1:
+                fan(c.rng, s);
+                break;
+            case 2:
+                slab(c.rng, s);
+                break;
+            default:
+                corner(c.rng, s);
+        }
+        for (std::uint32_t i = 0; i < s.planes.size(); ++i) {
+            s.planes[i].stiffness = c.rng.of(200, 500, 1000, 1000);
+            add(c, scene, s.planes[i], i);
+        }
+        about = s.probe;
+    });
+    loops("planes, contradictory", [](Case& c, Scene& scene, Vector& about) {
+        PlaneScene s;
+        s.size = 0.003;
+        contradictory(c.rng, s);
+        for (std::uint32_t i = 0; i < s.planes.size(); ++i) {
+            s.planes[i].stiffness = c.rng.of(300, 700, 2000);
+            add(c, scene, s.planes[i], i);
+        }
+        about = s.probe;
+    });
 }
 
 TEST(Loops, OnCapsReturnTheirWork) {
@@ -133,10 +140,16 @@ TEST(Loops, OnCapsReturnTheirWork) {
 
 TEST(Loops, OnSolidsAndInHollowsReturnTheirWork) {
     const auto side = [](Rng& rng) { return rng.one_in(2) ? knurl::Side::inside : knurl::Side::outside; };
+    // How far from the surface the middle of a probe of any radius touches it.
+    const auto any_finger = [](Case& c, Scene& scene, knurl::Side where) {
+        const double radius = c.rng.of(0, 0.004);
+        c.require(bool(scene.place_probe(0, {.offset = {}, .radius = radius})), "placed");
+        return where == knurl::Side::inside ? -radius : radius;
+    };
     loops("sphere", [&](Case& c, Scene& scene, Vector& about) {
         knurl::Sphere s{.radius = c.rng.uniform(0.012, 0.03), .side = side(c.rng), .stiffness = 1000};
         add(c, scene, s);
-        about = s.radius * c.rng.direction();
+        about = (s.radius + any_finger(c, scene, s.side)) * c.rng.direction();
     });
     loops("capsule", [&](Case& c, Scene& scene, Vector& about) {
         const Vector axis = c.rng.direction();
@@ -146,7 +159,7 @@ TEST(Loops, OnSolidsAndInHollowsReturnTheirWork) {
                          .side = side(c.rng),
                          .stiffness = 1000};
         add(c, scene, s);
-        about = c.rng.of(0, 0.01) * axis + s.radius * c.rng.across(axis);
+        about = c.rng.of(0, 0.01) * axis + (s.radius + any_finger(c, scene, s.side)) * c.rng.across(axis);
     });
     loops("cylinder", [&](Case& c, Scene& scene, Vector& about) {
         const Vector axis = c.rng.direction();
@@ -171,7 +184,8 @@ TEST(Loops, OnSolidsAndInHollowsReturnTheirWork) {
                        .stiffness = 1000};
         add(c, scene, s);
         const double angle = c.rng.uniform(-M_PI, M_PI);
-        about = s.radius * out + s.tube * (std::cos(angle) * out + std::sin(angle) * axis);
+        about = s.radius * out +
+                (s.tube + any_finger(c, scene, s.side)) * (std::cos(angle) * out + std::sin(angle) * axis);
     });
     loops("box, hollow", [&](Case& c, Scene& scene, Vector& about) {
         knurl::Box s{.half_size = {0.01, 0.01, 0.01}, .side = knurl::Side::inside, .stiffness = 1000};

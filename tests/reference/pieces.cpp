@@ -23,6 +23,11 @@ void wander(Rng& rng, Vector& p, const Vector& about, double size) {
     }
 }
 
+/// From the world's origin, m. Far away the corners of a small piece are no longer told apart.
+double any_distance(Rng& rng, double size) {
+    return rng.of(0, 0.1, 10, size < 0.01 ? 1 : 1e6);
+}
+
 template <class R, class Touch, class Shape>
 void follow(Case& c, R& surface, Touch& touch, const Shape& shape, const Vector& about, double size,
             double radius) {
@@ -36,6 +41,7 @@ void follow(Case& c, R& surface, Touch& touch, const Shape& shape, const Vector&
     c.require(bool(scene.place_probe(0, {.offset = {}, .radius = radius})), "placed");
     c.require(bool(scene.add({0, 1}, surface)), "added");
     scene.settle();
+    Alone<R> alone(surface, limits);
     Vector p = about + rng.uniform(0.5, 2) * size * rng.direction();
     Real moved = 0;
     for (int i = 0; i < 12; ++i) {
@@ -46,10 +52,12 @@ void follow(Case& c, R& surface, Touch& touch, const Shape& shape, const Vector&
         const std::optional<exact::Foot> foot = touch.step(shape, real(p) - moved * carried, radius);
         const Real reach = std::max(
             {Real(p.norm()), Real(about.norm()), Real(size), Real(radius), moved * exact::length(carried)});
-        if (touch.doubt < 1e-12L * reach) return;  // rounding decides
+        if (touch.doubt < 1e-12L * reach) return;                                      // rounding decides
+        if (rng.one_in(2)) scene.evaluate(at(about + 2 * size * rng.direction()), 0);  // leaves no trace
         const Wrench got = scene.evaluate(hand, dt);
         const Wrench again = scene.evaluate(hand, 0);
         c.require(got.force == again.force, "the same without time");
+        alone.check(c, hand, radius, dt, foot, reach, true, size);
         hand.velocity -= knurl::to_eigen(surface.velocity);  // damping knows the difference
         c.say(" %d: at %g %g %g doubt %Lg\n", i, p.x(), p.y(), p.z(), touch.doubt);
         if (foot) {
@@ -70,24 +78,21 @@ TEST(Pieces, APolygonKnowsTheSideFromWhichTheHandCame) {
     run("polygon", 30'000, [](Case& c) {
         Rng& rng = c.rng;
         const double size = rng.one_in(3) ? rng.scale(1e-4, 1) : 0.05;
-        const Vector about = rng.of(0, 0.1, 10) * rng.direction(), n = rng.direction(), u = rng.across(n),
-                     v = n.cross(u);
+        const Vector about = any_distance(rng, size) * rng.direction(), n = rng.direction(),
+                     u = rng.across(n), v = n.cross(u);
         const int count = rng.between(3, 8);
         knurl::Polygon polygon;
         polygon.sides = rng.one_in(2) ? knurl::Sides::both : knurl::Sides::front;
         polygon.vertices.count = static_cast<std::uint32_t>(count);
-        std::vector<exact::V> corners;
         const double squeeze = rng.uniform(0.2, 1);
         for (int i = 0; i < 8; ++i) {
             const double angle = 2 * M_PI * (i + 0.7 * (rng.uniform(0, 1) - 0.5)) / count;
             const Vector x = about + size * (std::cos(angle) * u + squeeze * std::sin(angle) * v);
             polygon.vertices.at[i] = i < count ? knurl::to_plain(x) : knurl::Vec3{};
-            if (i < count) corners.push_back(real(polygon.vertices.at[i]));
         }
         exact::PieceTouch touch;
-        const bool both = polygon.sides == knurl::Sides::both;
         const double radius = rng.one_in(2) ? rng.scale(1e-3, 0.5) * size : 0;
-        follow(c, polygon, touch, exact::polygon(corners, both), about, size, radius);
+        follow(c, polygon, touch, exact::piece_of(polygon), about, size, radius);
     });
 }
 
@@ -95,7 +100,8 @@ TEST(Pieces, AHalfPlaneHasOneEdge) {
     run("half-plane", 30'000, [](Case& c) {
         Rng& rng = c.rng;
         const double size = rng.one_in(3) ? rng.scale(1e-4, 1) : 0.05;
-        const Vector about = rng.of(0, 0.1, 10) * rng.direction(), n = rng.direction(), u = rng.across(n);
+        const Vector about = any_distance(rng, size) * rng.direction(), n = rng.direction(),
+                     u = rng.across(n);
         const Vector edge = u + rng.uniform(-1, 1) * n;
         const double a = rng.of(1, 1, 0.01, 30), b = rng.of(1, 1, 0.01, 30);
         knurl::HalfPlane half{.normal = knurl::to_plain(a * n),
@@ -103,12 +109,9 @@ TEST(Pieces, AHalfPlaneHasOneEdge) {
                               .edge = knurl::to_plain(b * edge),
                               .edge_offset = b * edge.dot(about)};
         half.sides = rng.one_in(2) ? knurl::Sides::both : knurl::Sides::front;
-        const bool both = half.sides == knurl::Sides::both;
         exact::PieceTouch touch;
         const double radius = rng.one_in(2) ? rng.scale(1e-3, 0.5) * size : 0;
-        follow(c, half, touch,
-               exact::half_plane(real(half.normal), half.offset, real(half.edge), half.edge_offset, both),
-               about, size, radius);
+        follow(c, half, touch, exact::piece_of(half), about, size, radius);
     });
 }
 
@@ -131,12 +134,11 @@ TEST(Pieces, ASolidBoxHoldsByTheFaceThroughWhichTheHandCame) {
     run("box, solid", 30'000, [](Case& c) {
         Rng& rng = c.rng;
         const double size = rng.one_in(3) ? rng.scale(1e-4, 1) : 0.05;
-        const Vector about = rng.of(0, 0.1, 10) * rng.direction();
+        const Vector about = any_distance(rng, size) * rng.direction();
         knurl::Box box = any_box(rng, about, size);
         exact::BoxTouch touch;
         const double radius = rng.one_in(2) ? rng.scale(1e-3, 0.5) * size : 0;
-        follow(c, box, touch, exact::Box{real(box.center), real(box.half_size), real(box.orientation)}, about,
-               size, radius);
+        follow(c, box, touch, exact::box_of(box), about, size, radius);
     });
 }
 
@@ -155,7 +157,7 @@ TEST(Pieces, AHollowBoxHoldsWithUpToThreeWalls) {
         c.require(bool(scene.place_probe(0, {.offset = {}, .radius = radius})), "placed");
         c.require(bool(scene.add({0, 1}, box)), "added");
         scene.settle();
-        const exact::Box shape{real(box.center), real(box.half_size), real(box.orientation)};
+        const exact::Box shape = exact::box_of(box);
         Vector p = about + rng.uniform(0, 2) * size * rng.direction();
         for (int i = 0; i < 3; ++i) {
             const exact::V back = k * exact::hollow_box(shape, real(p), radius);

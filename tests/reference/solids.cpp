@@ -30,18 +30,18 @@ Setting any_setting(Rng& rng) {
 }
 
 template <class R>
-void follow(Case& c, R& surface, exact::Solid solid, const Setting& s) {
+void follow(Case& c, R surface, const Setting& s) {
     Rng& rng = c.rng;
     const Limits limits = any_limits(rng);
     const Real k = any_material(rng, surface, limits);
     surface.damping = 0;
     surface.side = rng.one_in(2) ? knurl::Side::inside : knurl::Side::outside;
-    solid.hollow = surface.side == knurl::Side::inside;
-    solid.center = real(surface.center);
+    const exact::Solid solid = exact::solid_of(surface);
     Scene scene({2, 1}, limits);
     c.require(bool(scene.place_probe(0, {.offset = {}, .radius = s.radius})), "placed");
     c.require(bool(scene.add({0, 1}, surface)), "added");
     scene.settle();
+    Alone<R> alone(surface, limits);
     exact::SolidTouch touch;
     Vector p = s.about + rng.uniform(0, 2) * s.size * rng.direction();
     c.say("  solid %d hollow %d size %g radius %g probe %g half %Lg tube %Lg\n", int(solid.kind),
@@ -60,6 +60,9 @@ void follow(Case& c, R& surface, exact::Solid solid, const Setting& s) {
                   "the same without time");
         c.say(" %d: dt %g at %g %g %g\n", i, dt, p.x(), p.y(), p.z());
         const bool known = feet[0].clear > 1e-12L * reach;
+        const bool wall = feet.size() == 1 || feet[0].height < feet[1].height - 1e-12L * reach;
+        const exact::Foot nearest = wall || feet[0].height < feet[1].height ? feet[0] : feet[1];
+        alone.check(c, at(p), s.radius, dt, nearest, reach, known && wall);
         if (feet.size() == 1) {
             check_one(c, got.force, feet[0], k, 0, at(p), limits, reach, known);
         } else {
@@ -106,7 +109,7 @@ TEST(Solids, Sphere) {
     run("sphere", 30'000, [](Case& c) {
         const Setting s = any_setting(c.rng);
         knurl::Sphere sphere{.center = knurl::to_plain(s.about), .radius = any_radius(c.rng, s.size)};
-        follow(c, sphere, {.kind = exact::Solid::Kind::sphere, .center = {}, .radius = sphere.radius}, s);
+        follow(c, sphere, s);
     });
 }
 TEST(Solids, Capsule) {
@@ -117,13 +120,7 @@ TEST(Solids, Capsule) {
                                .axis = axis,
                                .half_length = any_radius(c.rng, s.size),
                                .radius = any_radius(c.rng, s.size)};
-        follow(c, capsule,
-               {.kind = exact::Solid::Kind::capsule,
-                .center = {},
-                .axis = real(axis),
-                .radius = capsule.radius,
-                .half_length = capsule.half_length},
-               s);
+        follow(c, capsule, s);
     });
 }
 TEST(Solids, Cylinder) {
@@ -134,13 +131,7 @@ TEST(Solids, Cylinder) {
                                  .axis = axis,
                                  .radius = any_radius(c.rng, s.size),
                                  .half_length = c.rng.one_in(5) ? infinity : any_radius(c.rng, s.size)};
-        follow(c, cylinder,
-               {.kind = exact::Solid::Kind::cylinder,
-                .center = {},
-                .axis = real(axis),
-                .radius = cylinder.radius,
-                .half_length = cylinder.half_length},
-               s);
+        follow(c, cylinder, s);
     });
 }
 TEST(Solids, Torus) {
@@ -150,12 +141,6 @@ TEST(Solids, Torus) {
         knurl::Torus torus{
             .center = knurl::to_plain(s.about), .axis = axis, .radius = c.rng.uniform(0.3, 1) * s.size};
         torus.tube = any_radius(c.rng, 0.9 * torus.radius);
-        follow(c, torus,
-               {.kind = exact::Solid::Kind::torus,
-                .center = {},
-                .axis = real(axis),
-                .radius = torus.radius,
-                .tube = torus.tube},
-               s);
+        follow(c, torus, s);
     });
 }

@@ -11,10 +11,6 @@ using knurl::Spring;
 namespace springs_tests {
 namespace {
 
-exact::Tip tip_of(const Probe& p) {
-    return {real(p.position), real(p.orientation), real(p.velocity), real(p.angular_velocity)};
-}
-
 Probe any_hand(Rng& rng, double reach) {
     Probe hand = at(reach * rng.direction(), rng.uniform(0, 1) * rng.direction());
     if (rng.one_in(2)) hand.orientation = rng.orientation();

@@ -1,6 +1,8 @@
 #pragma once
 // What the judges of all surfaces share: one of them in a scene, felt by a probe.
 
+#include <optional>
+
 #include "exact/cap.hpp"
 #include "exact/contact.hpp"
 #include "judge.hpp"
@@ -50,5 +52,30 @@ inline void check_one(Case& c, const Vector& got, const exact::Foot& want, Real 
     c.require(felt <= limits.max_force * (1 + 1e-12L), "at most the device's force");
     if (damping == 0) c.require(felt <= k * (depth + 1e-12L * reach), "no stiffer than its stiffness");
 }
+
+/// The surface without a scene: its contact also where it is not touched.
+template <class R>
+class Alone {
+  public:
+    Alone(const R& surface, const Limits& limits) : params_(prepared(surface, limits)) {
+        adopt(params_, nullptr, state_, {});
+    }
+    /// Nothing: none is expected. A height has the rounding of `reach` (m), a normal that of reach / clear and of
+    /// reach / `size`, where it follows from points so far apart.
+    void check(Case& c, const Probe& hand, double radius, double dt, const std::optional<exact::Foot>& want,
+               Real reach, bool direction_known = true, Real size = INFINITY) {
+        Probe probe = hand;
+        probe.radius = radius;
+        const knurl::Contact got = contact(params_, state_, probe, dt);
+        if (!want) return c.require(got.height == infinity, "no contact at all");
+        c.compare({got.height, 0, 0}, {want->height, 0, 0}, reach);
+        if (direction_known)
+            c.compare_within(got.normal, want->normal, 4e-15L * reach / std::min(want->clear, size), 1);
+    }
+
+  private:
+    R params_;
+    typename R::State state_{};
+};
 
 }  // namespace judge

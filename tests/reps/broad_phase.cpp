@@ -1,6 +1,7 @@
 // Surfaces out of reach are not evaluated, and nothing else is left out.
 
 #include <algorithm>
+#include <array>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -57,6 +58,62 @@ TEST(BoundingTree, CollectsExactlyThoseThatComeNearer) {
             ASSERT_EQ(tree.size(), present);
         }
     }
+}
+
+TEST(BoundingTree, UntilItSaysNothingThatMovesComesNearerUnseen) {
+    const std::uint64_t seed = 78;
+    knurl::test::Rng rng(seed);
+    std::uint64_t seen = 0, unseen = 0;
+    for (int round = 0; round < 300; ++round) {
+        constexpr std::uint32_t n = 40;
+        detail::BoundingTree reach(n);
+        struct Ball {
+            Vector center, velocity;
+            double radius, since;
+            bool holds, there;
+        };
+        std::array<Ball, n> balls{};
+        const double offset = round % 4 == 0 ? 1e6 : 0;
+        const Vector origin(offset, 0, -offset);
+        for (int i = 0; i < 100; ++i) {
+            const auto slot = static_cast<std::uint32_t>(between(rng, 0, n - 1));
+            Ball& b = balls[slot];
+            if (between(rng, 0, 3) == 0) {
+                b.there = false;
+                reach.drop(slot);
+                continue;
+            }
+            b = {origin + uniform(rng, 0, 0.5) * direction(rng),
+                 scale(rng, 1e-3, 2) * direction(rng),
+                 uniform(rng, 0, 0.1),
+                 uniform(rng, 1.8, 2),
+                 between(rng, 0, 1) != 0,
+                 true};
+            reach.put_moving(slot, b.center, b.radius, b.velocity, b.since, b.holds);
+        }
+        const SceneTime now{.all = uniform(rng, 2, 2.5), .held = uniform(rng, 1.8, 2)};
+        const Vector p = origin + 0.1 * direction(rng);
+        const double within = scale(rng, 1e-6, 0.05);
+        std::array<std::uint32_t, n> found;
+        const detail::BoundingTree::Coming coming = reach.collect_moving(p, within, now, found);
+        ASSERT_GT(coming.lasts, 0) << "seed " << seed << " round " << round;
+        for (std::uint32_t s = 0; s < n; ++s) {
+            if (!balls[s].there) continue;
+            if (std::find(found.begin(), found.begin() + coming.count, s) != found.begin() + coming.count) {
+                ++seen;
+                continue;
+            }
+            ++unseen;
+            const double moved = std::max(0.0, now.of(balls[s].holds) - balls[s].since);
+            for (int k = 0; k <= 20; ++k) {  // one that is held may stand or move
+                const double t = moved + k * 0.05 * std::min(coming.lasts, 10.0);
+                ASSERT_GE((balls[s].center + t * balls[s].velocity - p).norm() - balls[s].radius, within)
+                    << "seed " << seed << " round " << round << " slot " << s;
+            }
+        }
+    }
+    EXPECT_GT(seen, 150u);
+    EXPECT_GT(unseen, 500u);
 }
 
 namespace broad_phase_tests {

@@ -4,6 +4,7 @@
 
 #include <knurl/reps/collapsed_springs.hpp>
 
+#include "../reference/parameters.hpp"
 #include "effect_tools.hpp"
 
 using namespace knurl;
@@ -11,20 +12,13 @@ using namespace knurl::test;
 
 namespace {
 
-struct Sum {
-    RealVector force = RealVector::Zero(), torque = RealVector::Zero();
-};
-
-Sum sum_of(const std::vector<Spring>& springs, const Probe& probe) {
-    const Eigen::Quaternion<Real> q(Real(probe.orientation.w()), Real(probe.orientation.x()),
-                                    Real(probe.orientation.y()), Real(probe.orientation.z()));
-    const Eigen::Matrix<Real, 3, 3> turn = q.toRotationMatrix();
-    Sum sum;
+exact::Twist sum_of(const std::vector<Spring>& springs, const Probe& probe) {
+    exact::Twist sum;
     for (const Spring& s : springs) {
-        const RealVector arm = turn * wide(s.attach), to_anchor = wide(s.anchor) - wide(probe.position);
-        const RealVector force = Real(s.stiffness) * (to_anchor - arm);
-        sum.force += force;
-        sum.torque += arm.cross(force);
+        const exact::Twist one = exact::spring(
+            {exact::real(s.anchor), exact::real(s.attach), 0, s.stiffness, 0}, exact::tip_of(probe), {});
+        sum.force += one.force;
+        sum.torque += one.torque;
     }
     return sum;
 }
@@ -63,9 +57,9 @@ TEST(CollapsedSprings, AreExactlyTheSumAlsoAThousandOfThemAndAKilometreAway) {
             const auto springs = random_springs(rng, count, about);
             const Probe probe = random_probe(rng, about);
             const Wrench got = collapsed(springs).evaluate(probe);
-            const Sum want = sum_of(springs, probe);
-            const Real force = (wide(got.force) - want.force).norm(),
-                       torque = (wide(got.torque) - want.torque).norm();
+            const exact::Twist want = sum_of(springs, probe);
+            const Real force = exact::length(exact::real(got.force) - want.force),
+                       torque = exact::length(exact::real(got.torque) - want.torque);
             ASSERT_LE(force, 1e-10L) << "seed " << seed << " count " << count << " case " << i;
             ASSERT_LE(torque, 1e-11L) << "seed " << seed << " count " << count << " case " << i;
             worst_force = std::max(worst_force, force), worst_torque = std::max(worst_torque, torque);

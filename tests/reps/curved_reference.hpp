@@ -12,74 +12,50 @@
 
 #include <knurl/reps/all.hpp>
 
+#include "../reference/parameters.hpp"
 #include "shape_tools.hpp"
 
 namespace knurl::test {
 
-using Real = long double;
-
 /// A signed distance and its gradient.
 struct Distances {
-    std::function<Real(const Long&)> height;
-    std::function<Long(const Long&)> normal;
+    std::function<exact::Foot(const exact::V&)> foot;
+    Real height(const RealVector& x) const { return foot({x.x(), x.y(), x.z()}).height; }
+    RealVector normal(const RealVector& x) const {
+        const exact::V n = foot({x.x(), x.y(), x.z()}).normal;
+        return {n.x, n.y, n.z};
+    }
 };
 
 inline Distances distances_of(const Plane& s) {
-    const Long n = exact(s.normal).normalized();
-    const Real offset = s.offset / exact(s.normal).norm();
-    return {[=](const Long& x) { return n.dot(x) - offset; }, [=](const Long&) { return n; }};
+    const exact::V n = exact::unit(exact::real(s.normal));
+    const Real offset = s.offset / exact::length(exact::real(s.normal));
+    return {[=](const exact::V& x) { return exact::Foot{n, exact::dot(n, x) - offset}; }};
 }
-
-/// All points within `size` of a core, of which `nearest` gives the nearest point.
-inline Distances around(std::function<Long(const Long&)> nearest, Real size, Side side) {
-    const Real sign = side == Side::inside ? -1 : 1;
-    return {[=](const Long& x) { return sign * ((x - nearest(x)).norm() - size); },
-            [=](const Long& x) { return Long(sign * (x - nearest(x)).normalized()); }};
-}
-inline Distances distances_of(const Sphere& s) {
-    const Long c = exact(s.center);
-    return around([=](const Long&) { return c; }, s.radius, s.side);
-}
-inline Distances distances_of(const Capsule& s) {
-    const Long a = exact(s.axis).normalized(), c = exact(s.center);
-    const Real half = s.half_length;
-    return around([=](const Long& x) { return Long(c + std::clamp<Real>(a.dot(x - c), -half, half) * a); },
-                  s.radius, s.side);
-}
-/// Without its ends.
-inline Distances distances_of(const Cylinder& s) {
-    const Long a = exact(s.axis).normalized(), c = exact(s.center);
-    return around([=](const Long& x) { return Long(c + a.dot(x - c) * a); }, s.radius, s.side);
-}
-inline Distances distances_of(const Torus& s) {
-    const Long a = exact(s.axis).normalized(), c = exact(s.center);
-    const Real ring = s.radius;
-    return around(
-        [=](const Long& x) {
-            const Long flat = (x - c) - a.dot(x - c) * a;
-            return Long(c + ring * flat.normalized());
-        },
-        s.tube, s.side);
-}
-/// Within its rim, of one curvature.
 inline Distances distances_of(const Cap& s) {
-    const Long n = exact(s.normal).normalized(), c = exact(s.foot) + n / Real(s.curvature);
-    return around([=](const Long&) { return c; }, 1 / std::abs(Real(s.curvature)),
-                  s.curvature > 0 ? Side::inside : Side::outside);
+    const exact::Cap cap{exact::real(s.foot), exact::real(s.normal), s.curvature, s.curvature, {}, s.rim};
+    return {[=](const exact::V& x) { return exact::cap(cap, x, 0); }};
+}
+template <class R>
+Distances distances_of(const R& s) {
+    return {[=, solid = exact::solid_of(s)](const exact::V& x) {
+        return exact::SolidTouch().step(solid, x, 0)[0];
+    }};
 }
 
 struct Met {
-    Long x;
+    RealVector x;
     int active = 0;
 };
 
 /// Newton's method on the conditions of Karush, Kuhn and Tucker, with all of `set` active, starting from the
 /// result of successive projections. Nothing where it converges elsewhere, or a surface would pull.
-inline std::optional<Long> held_by(const std::vector<Distances>& all, const std::vector<std::size_t>& set,
-                                   const Long& p, Real size) {
+inline std::optional<RealVector> held_by(const std::vector<Distances>& all,
+                                         const std::vector<std::size_t>& set, const RealVector& p,
+                                         Real size) {
     using Matrix = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic>;
     using Column = Eigen::Matrix<Real, Eigen::Dynamic, 1>;
-    Long x = p;
+    RealVector x = p;
     for (int i = 0; i < 60; ++i) {
         const Distances& s = all[set[static_cast<std::size_t>(i) % set.size()]];
         x -= s.height(x) * s.normal(x);
@@ -96,14 +72,14 @@ inline std::optional<Long> held_by(const std::vector<Distances>& all, const std:
         system.topLeftCorner(3, 3).setIdentity();
         for (Eigen::Index j = 0; j < m; ++j) {
             const Distances& s = all[set[static_cast<std::size_t>(j)]];
-            const Long n = s.normal(x);
+            const RealVector n = s.normal(x);
             wrong.head(3) -= u[j] * n;
             wrong[3 + j] = -s.height(x);
             system.block(0, 3 + j, 3, 1) = -n;
             system.block(3 + j, 0, 1, 3) = n.transpose();
             constexpr Real h = 1e-6L;  // m: of the differences, whose error only slows convergence
             for (int axis = 0; axis < 3; ++axis) {
-                const Long e = h * Long::Unit(axis);
+                const RealVector e = h * RealVector::Unit(axis);
                 system.block(0, axis, 3, 1) -= u[j] * (s.normal(x + e) - s.normal(x - e)) / (2 * h);
             }
         }
@@ -121,13 +97,13 @@ inline std::optional<Long> held_by(const std::vector<Distances>& all, const std:
     return x;
 }
 
-inline std::optional<Met> nearest_of(const std::vector<Distances>& all, const Long& p, Real size) {
+inline std::optional<Met> nearest_of(const std::vector<Distances>& all, const RealVector& p, Real size) {
     bool free = true;
     for (const Distances& s : all) free = free && s.height(p) >= 0;
     if (free) return Met{p, 0};
     std::optional<Met> best;
     const auto consider = [&](std::vector<std::size_t> set) {
-        const std::optional<Long> x = held_by(all, set, p, size);
+        const std::optional<RealVector> x = held_by(all, set, p, size);
         if (x && (!best || (*x - p).norm() < (best->x - p).norm())) best = {*x, static_cast<int>(set.size())};
     };
     for (std::size_t i = 0; i < all.size(); ++i) {

@@ -1,19 +1,9 @@
 #pragma once
-// Shared by the tests of single effects: one evaluation like the servo's, wide numbers, loops.
+// Shared by the tests of single effects: one evaluation like the servo's, loops.
 
 #include "scene_tools.hpp"
 
 namespace knurl::test {
-
-using Real = long double;
-using RealVector = Eigen::Matrix<Real, 3, 1>;
-
-inline RealVector wide(const Vec3& v) {
-    return {v.x, v.y, v.z};
-}
-inline RealVector wide(const Eigen::Vector3d& v) {
-    return v.cast<Real>();
-}
 
 /// The wrench of an effect that was just added.
 template <class R>

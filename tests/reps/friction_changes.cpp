@@ -9,8 +9,6 @@ using namespace knurl::test;
 
 namespace {
 
-using Real = long double;
-
 /// The allowed step per cycle, computed from the inputs only.
 class StepBound {
   public:

@@ -1,12 +1,10 @@
 // Friction's goals: no drift, independence of the rate, no energy, and its formula for any parameters.
 
+#include "../reference/parameters.hpp"
 #include "friction_tools.hpp"
 
 using namespace knurl;
 using namespace knurl::test;
-
-using Real = FrictionModel::Real;
-using RealVector = FrictionModel::RealVector;
 
 // --- Goals
 
@@ -174,48 +172,29 @@ TEST(Friction, ThePapersLawGeneratesEnergyWhenTheNormalForceChangesWhileStuck) {
 
 // --- For any parameters
 
-TEST(Friction, AgreesWithAModelWrittenFromTheText) {
+TEST(Friction, AgreesWithTheTextWhileTheSurfaceTurnsAndTheTipIsLifted) {
     const std::uint64_t seed = 31;
     Rng rng(seed);
     for (int run = 0; run < (long_form() ? 4000 : 200); ++run) {
         const int kind = between(rng, 0, 2);
-        FrictionModel::Law text;
-        FrictionLaw law;
         const Limits limits{.max_stiffness = between(rng, 0, 3) == 0 ? scale(rng, 100, 2000) : 1e12,
                             .resolution = between(rng, 0, 1) ? 3e-5 : 0};
-        text.max_stiffness = limits.max_stiffness;
-        text.count = limits.resolution;
-        if (kind == 0) {
-            const double dynamic = between(rng, 0, 9) ? uniform(rng, 0, 1) : 0, k = scale(rng, 50, 5000);
-            const Friction friction{.static_ = dynamic + uniform(rng, 0, 0.5), .dynamic = dynamic};
-            law = friction_law(friction, {}, k, limits);
-            text.stiffness = std::min(k, limits.max_stiffness);
-            text.holds = friction.static_;
-            text.slides = dynamic;
-        } else {
-            Snag snag{.k_kinetic = between(rng, 0, 9) ? uniform(rng, 0.01, 1) : 0,
-                      .k_stick = scale(rng, 100, 3000),
-                      .d_snap = scale(rng, 1e-4, 2e-3),
-                      .d_mean = scale(rng, 1e-4, 1e-2),
-                      .d_spread = scale(rng, 1e-4, 1e-2),
-                      .seed = static_cast<std::uint32_t>(between(rng, 0, 1000)),
-                      .law = kind == 1 ? SnagLaw::passive : SnagLaw::paper};
-            if (kind == 2 && between(rng, 0, 9) == 0) snag.d_mean = 0;
-            law = friction_law({}, snag, 1000, limits);
-            text.kind = kind == 1 ? FrictionModel::Law::passive : FrictionModel::Law::paper;
-            text.stiffness = kind == 1 ? std::min(snag.k_stick, limits.max_stiffness) : snag.k_stick;
-            text.holds = Real(snag.k_stick) * snag.d_snap;
-            text.slides = kind == 1 ? std::min<Real>(snag.k_kinetic, text.holds) : snag.k_kinetic;
-            text.d_snap = snag.d_snap;
-            text.d_mean = snag.d_mean;
-            text.d_spread = snag.d_spread;
-            text.seed = snag.seed;
-        }
-        FrictionModel model(text);
+        const double dynamic = between(rng, 0, 9) ? uniform(rng, 0, 1) : 0, k = scale(rng, 50, 5000);
+        const Friction friction{.static_ = dynamic + uniform(rng, 0, 0.5), .dynamic = dynamic};
+        Snag snag{.k_kinetic = dynamic,
+                  .k_stick = scale(rng, 100, 3000),
+                  .d_snap = scale(rng, 1e-4, 2e-3),
+                  .d_mean = scale(rng, 1e-4, 1e-2),
+                  .d_spread = scale(rng, 1e-4, 1e-2),
+                  .seed = static_cast<std::uint32_t>(between(rng, 0, 1000)),
+                  .law = kind == 1 ? SnagLaw::passive : SnagLaw::paper};
+        if (kind == 0) snag = {};
+        const FrictionLaw law = friction_law(friction, snag, k, limits);
+        const exact::Law text = exact::law_of(friction, snag, k, limits);
+        exact::Friction model;
         FrictionState state;
         Tangent tangent;
-        const Vector origin = (between(rng, 0, 4) ? 0.1 : 1e3) * direction(rng);
-        Rubbing rubbing = rubbing_at(origin);
+        Rubbing rubbing = rubbing_at((between(rng, 0, 4) ? 0.1 : 1e3) * direction(rng));
         if (between(rng, 0, 2) == 0) rubbing.surface_velocity = 0.05 * direction(rng);
         tangent.normal = direction(rng);
         Vector velocity = Vector::Zero();
@@ -228,17 +207,16 @@ TEST(Friction, AgreesWithAModelWrittenFromTheText) {
             if (between(rng, 0, 20) == 0)
                 tangent.normal = (tangent.normal + 0.05 * direction(rng)).normalized();
             const Vector got = friction_force(law, state, tangent, rubbing, limits, dt);
-            // The double dt * v, as the servo carries the anchor: only rounding may differ.
-            const RealVector want =
-                model.step(rubbing.position.cast<Real>(), tangent.normal.cast<Real>(), rubbing.normal_force,
-                           Real(dt) * rubbing.surface_velocity.cast<Real>());
-            const Real size = std::max<Real>(law.stiffness, law.stiffness_per_newton * rubbing.normal_force) *
-                                  rubbing.position.norm() +
-                              std::max(law.static_, law.dynamic) * rubbing.normal_force;
+            const exact::V want =
+                model.step(text, {exact::real(tangent.normal), {}, false}, exact::real(rubbing.position), {},
+                           exact::real(rubbing.surface_velocity), rubbing.normal_force, dt);
+            const double size = std::max(law.stiffness, law.stiffness_per_newton * rubbing.normal_force) *
+                                    rubbing.position.norm() +
+                                std::max(law.static_, law.dynamic) * rubbing.normal_force;
             // Rounding adds up along the way, and a snag's place is only as exact as the tip's.
-            ASSERT_LE((got.cast<Real>() - want).norm(), 1e-12L * size * 100)
+            ASSERT_LE(exact::length(exact::real(got) - want), 1e-12L * size * 100)
                 << "seed " << seed << " run " << run << " cycle " << i << " kind " << kind << "\ngot "
-                << got.transpose() << "\nwant " << want.cast<double>().transpose();
+                << got.transpose() << "\nwant " << exact::rounded(want).transpose();
             if (rubbing.normal_force == 0) rubbing.normal_force = 1;
         }
     }

@@ -3,7 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "friction_model.hpp"
+#include <knurl/reps/friction.hpp>
+
 #include "random_planes.hpp"
 
 namespace knurl::test {

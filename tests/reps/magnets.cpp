@@ -1,4 +1,5 @@
-// Magnets against their formula; their zero crossings, their ends, and the values they refuse.
+// Magnets: their zero crossings, their ends, and the values they refuse. tests/reference/fields.cpp compares them
+// with their formula.
 
 #include <gtest/gtest.h>
 
@@ -11,27 +12,6 @@ using namespace knurl;
 using namespace knurl::test;
 
 namespace {
-
-// N, towards the surface at the distance x from it.
-Real pull(const Magnet& m, Real x) {
-    const Real strongest = Real(m.max_force) / m.stiffness;
-    if (x <= strongest) return m.stiffness * x;
-    if (x >= m.max_distance) return 0;
-    return m.max_force * (m.max_distance - x) / (m.max_distance - strongest);
-}
-
-RealVector reference(const Magnet& m, const Probe& probe) {
-    const RealVector q = wide(probe.position) - wide(m.position);
-    const Real r = q.norm(), radius = m.radius, x = std::abs(r - radius);
-    const Real e = radius > 0 ? std::min(Real(1e-3), radius / 20) : 0;
-    const Real length = std::sqrt(r * r + e * e);
-    const RealVector u = length > 0 ? RealVector(q / length) : RealVector::Zero();
-    const Real strongest = Real(m.max_force) / m.stiffness;
-    const Real share = x <= strongest        ? 1
-                       : x >= m.max_distance ? 0
-                                             : (m.max_distance - x) / (m.max_distance - strongest);
-    return (r > radius ? -1 : 1) * pull(m, x) * u - share * Real(m.damping) * wide(probe.velocity);
-}
 
 Magnet random_magnet(Rng& rng) {
     Magnet m{.position = to_plain((between(rng, 0, 5) ? 0.1 : 1e6) * direction(rng)),
@@ -55,23 +35,6 @@ std::string refusal(const Magnet& m) {
 }
 
 }  // namespace
-
-TEST(Magnet, IsItsFormulaForRandomParameters) {
-    const std::uint64_t seed = 331;
-    Rng rng(seed);
-    for (int i = 0; i < (long_form() ? 1'000'000 : 50'000); ++i) {
-        const Magnet m = random_magnet(rng);
-        const double r = std::max(0.0, m.radius + uniform(rng, -1.3, 1.3) * m.max_distance);
-        const Probe probe = at(to_eigen(m.position) + r * direction(rng), direction(rng));
-        const Real slope =
-            m.stiffness + m.max_force / (m.max_distance - m.max_force / m.stiffness) * (1 + m.damping);
-        const Real at_centre = m.radius > 0 ? m.max_force / std::min(1e-3, m.radius / 20) : 0;
-        const Real size = m.max_force + m.damping +
-                          (slope + at_centre) * (wide(probe.position).norm() + wide(m.position).norm());
-        ASSERT_LE((wide(felt(m, probe).force) - reference(m, probe)).norm(), 1e-12L * size)
-            << "seed " << seed << " case " << i;
-    }
-}
 
 TEST(Magnet, PullsUpToItsStrongestThenLessAndEndsWhereItSays) {
     const Magnet m{.stiffness = 100, .max_force = 2, .max_distance = 0.05};
@@ -108,24 +71,6 @@ TEST(Magnet, DrawsToItsSurfaceFromInsideToo) {
     EXPECT_NEAR(felt(m, at({0.04, 0, 0})).force.x(), 1, 1e-3);
     EXPECT_EQ(felt(m, at({0.05, 0, 0})).force.norm(), 0.0);
     EXPECT_EQ(felt(m, at({0, 0, 0})).force.norm(), 0.0);
-}
-
-TEST(Magnet, ReturnsTheWorkOfALoop) {
-    Rng rng(332);
-    for (const double radius : {0.0, 0.01}) {
-        const Magnet m{.radius = radius, .stiffness = 300, .max_force = 2, .max_distance = 0.015};
-        for (int i = 0; i < 20; ++i) {
-            const Vector a = direction(rng), b = direction(rng), c = 0.01 * direction(rng);
-            EXPECT_NEAR(work_of_loop(
-                            m,
-                            [&](double s) {
-                                const double t = 2 * M_PI * s;
-                                return Vector(c + 0.015 * (std::cos(t) * a + std::sin(t) * b));
-                            },
-                            100'000),
-                        0, 1e-8);
-        }
-    }
 }
 
 TEST(Magnet, WhoseReachEndsBeforeItsStrongestPullIsRefusedWithTheFigures) {

@@ -1,9 +1,7 @@
 #pragma once
-// Shared by the tests of polygon, half_plane and box: random poses, the force of a contact, and references in
-// long double that share no code with reps/.
+// Shared by the tests of polygon, half_plane and box: one of them without a scene, and the force of its contact.
 
 #include <array>
-#include <limits>
 #include <vector>
 
 #include <knurl/reps/concepts.hpp>
@@ -13,17 +11,7 @@
 
 namespace knurl::test {
 
-using Real = long double;
-using Vec = Eigen::Matrix<Real, 3, 1>;
-
 inline constexpr double step = 1e-3;  // s, a cycle
-
-inline Vec exact(const Vec3& v) {
-    return {v.x, v.y, v.z};
-}
-inline Vec exact(const Vector& v) {
-    return v.cast<Real>();
-}
 
 inline Probe probe_at(const Vector& position, double radius = 0) {
     Probe probe;

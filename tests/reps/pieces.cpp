@@ -1,4 +1,5 @@
-// polygon and half_plane: finite flat pieces that know the side of entry.
+// polygon and half_plane: finite flat pieces that know the side of entry. tests/reference/pieces.cpp compares them
+// with the reference on random paths.
 
 #include <gtest/gtest.h>
 
@@ -18,95 +19,26 @@ TYPED_TEST_SUITE(Pieces, PieceKinds);
 
 }  // namespace
 
-TYPED_TEST(Pieces, BeforeItIsEnteredTheNearestPointIsFeltAsAPlateWithRoundedEdges) {
-    const int rounds = long_form() ? 1'000'000 : 40'000;
-    for (int round = 0; round < rounds; ++round) {
-        const double size = scale(this->rng, 1e-6, 1), far = between(this->rng, 0, 3) ? 0.1 : 1e6;
-        TypeParam raw = random_piece<TypeParam>(this->rng, size, far);
-        raw.sides = Sides::both;
-        if (std::is_same_v<TypeParam, Polygon> && size < 1e-8 * far) continue;
-        const Exact reference(raw);
-        const double off = scale(this->rng, 1e-3, 10) * size;
-        const Vector p = reference.over(this->rng, scale(this->rng, 1e-3, 10) * size,
-                                        between(this->rng, 0, 1) ? off : -off);
-        const double radius = between(this->rng, 0, 1) ? uniform(this->rng, 0, 1) * size : 0;
-        const Contact felt = Touchable(raw).at(p, radius);
-        const Vec away = exact(p) - reference.nearest(exact(p));
-        const auto largest = static_cast<double>(std::max({reference.largest, exact(p).norm(), away.norm()}));
-        ASSERT_NEAR(static_cast<double>(away.norm() - radius - felt.height), 0, 1e-12 * largest)
-            << "seed " << this->seed << " round " << round;
-        // The normal times the distance is the way from the nearest point.
-        ASSERT_LE((exact(felt.normal) * away.norm() - away).norm(), 1e-12 * largest)
-            << "seed " << this->seed << " round " << round;
-        ASSERT_NEAR(felt.normal.norm(), 1, 1e-15);
-    }
-}
-
-TYPED_TEST(Pieces, OnAnyPathItIsTouchedHeldAndLetGoAsTheRulesSay) {
-    const int rounds = long_form() ? 100'000 : 4'000;
-    int entered = 0, from_behind = 0, left = 0, passed = 0;
-    for (int round = 0; round < rounds; ++round) {
-        const double size = scale(this->rng, 1e-4, 1);
-        TypeParam raw = random_piece<TypeParam>(this->rng, size, 0.1);
-        raw.sides = between(this->rng, 0, 1) ? Sides::both : Sides::front;
-        raw.velocity = to_plain(uniform(this->rng, 0, 1) * size / step * direction(this->rng));
-        const Vector drift = step * to_eigen(raw.velocity);
-        Touchable piece(raw);
-        Expected expected{.piece = Exact(raw), .both = raw.sides == Sides::both};
-        const double radius = between(this->rng, 0, 1) ? scale(this->rng, 1e-3, 1) * size : 0;
-        for (int i = 0; i < 30; ++i) {  // from any place to any other in each cycle
-            const double reach = scale(this->rng, 1e-3, 3) * size;
-            const Vector at = expected.piece.over(this->rng, scale(this->rng, 0.05, 1.2) * size,
-                                                  uniform(this->rng, -1, 1) * reach);
-            const Vector p = at + i * drift;
-            const int before = expected.touched;
-            const auto must = expected.at(exact(at), radius);
-            const auto largest = static_cast<double>(std::max(expected.piece.largest, exact(p).norm()));
-            if (expected.clear < 1e-11 * largest) break;
-            const Contact felt = piece.at(p, radius);
-            const std::string where = "seed " + std::to_string(this->seed) + " round " +
-                                      std::to_string(round) + " cycle " + std::to_string(i);
-            ASSERT_EQ(piece.state.touched, expected.touched) << where;
-            ASSERT_EQ(felt.height == infinity, must.none) << where;
-            if (!must.none) {
-                ASSERT_NEAR(static_cast<double>(must.height - felt.height), 0, 1e-12 * largest) << where;
-                if (must.height + radius > 1e-6 * size || expected.touched != 0) {
-                    ASSERT_LE((exact(felt.normal) - must.normal).norm(), 1e-5) << where;
-                }
-            }
-            ASSERT_EQ(felt.velocity, to_eigen(raw.velocity));
-            entered += before == 0 && expected.touched > 0;
-            from_behind += before == 0 && expected.touched < 0;
-            left += before != 0 && expected.touched == 0;
-            passed += must.none && expected.let_go == Expected::slipped;
-        }
-    }
-    EXPECT_GT(entered, rounds);  // the paths really vary
-    EXPECT_GT(from_behind, rounds / 4);
-    EXPECT_GT(left, rounds);
-    EXPECT_GT(passed, rounds / 100);
-}
-
 TYPED_TEST(Pieces, NothingTunnelsAtAnySpeedNorPopsOutHoweverDeep) {
     for (int round = 0; round < 20'000; ++round) {
         const double size = scale(this->rng, 1e-3, 1);
         TypeParam raw = random_piece<TypeParam>(this->rng, size, 0.1);
         raw.sides = between(this->rng, 0, 1) ? Sides::both : Sides::front;
-        Exact exactly(raw);
+        exact::Piece exactly = exact::piece_of(raw);
         // Over the middle of the piece, so the foot stays inside.
         const double third = 0.05 * size / 3;
-        if (exactly.corners.empty()) exactly.middle -= 2 * third * exactly.edge;
+        if (exactly.corners.empty()) exactly.point += -2 * third * exactly.edge;
         const int from = raw.sides == Sides::both && between(this->rng, 0, 1) ? -1 : 1;
         Touchable piece(raw);
-        const auto place = [&](double height) { return exactly.over(this->rng, third, from * height); };
+        const auto place = [&](double height) { return over(exactly, this->rng, third, from * height); };
         piece.at(place(scale(this->rng, 1e-9, 100)));
         for (int i = 0; i < 10; ++i) {
             // From any distance, to where it is still within the piece's ball; then to anywhere.
-            const auto reach = static_cast<double>(std::min<Real>(0.9 * exactly.ball, 100));
+            const auto reach = static_cast<double>(std::min<exact::Real>(0.9L * exactly.ball, 100));
             const double depth = scale(this->rng, 1e-9, i == 0 ? reach : 100);
             const Contact felt = piece.at(place(-depth));
             ASSERT_NEAR(felt.height, -depth, 1e-12 * 101) << "seed " << this->seed << " round " << round;
-            ASSERT_LE((exact(felt.normal) - from * exactly.normal).norm(), 1e-9);
+            ASSERT_LE((felt.normal - from * exact::rounded(exactly.normal)).norm(), 1e-9);
         }
         const Contact back = piece.at(place(1e-3));
         ASSERT_NEAR(back.height, 1e-3, 1e-12);

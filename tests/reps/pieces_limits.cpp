@@ -65,8 +65,9 @@ TEST(Polygon, CornersInSinglePrecisionAreGoodEnoughAndBecomePlanar) {
             v = {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
         }
         ASSERT_TRUE(Describe<Polygon>::check(polygon)) << round;
-        const Exact flat(prepared(polygon, {}));
-        for (const Vec& corner : flat.corners) ASSERT_LE(std::abs(flat.height(corner)), 1e-14 * size);
+        const exact::Piece flat = exact::piece_of(prepared(polygon, {}));
+        for (const exact::V& corner : flat.corners)
+            ASSERT_LE(std::abs(exact::dot(corner - flat.point, flat.normal)), 1e-14 * size);
     }
 }
 

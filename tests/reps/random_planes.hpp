@@ -14,6 +14,8 @@
 namespace knurl::test {
 
 using Rng = std::mt19937_64;
+using Real = long double;
+using RealVector = Eigen::Matrix<Real, 3, 1>;
 
 /// The long form of a property test: KNURL_LONG=1 in the environment.
 inline bool long_form() {

@@ -1,5 +1,5 @@
 #pragma once
-// Shared by the scene tests: probes, steps of 1 ms, random legal parameters of any kind.
+// Shared by the scene tests: wide numbers, probes, steps of 1 ms, random legal parameters of any kind.
 
 #include <cstring>
 #include <limits>
@@ -10,17 +10,23 @@
 #include <knurl/reps/scene.hpp>
 
 #include "random_polygon.hpp"
+#include "scene_pair.hpp"
 
 namespace knurl::test {
 
 using Vector = Eigen::Vector3d;
 
+inline RealVector wide(const Vec3& v) {
+    return {v.x, v.y, v.z};
+}
+inline RealVector wide(const Eigen::Vector3d& v) {
+    return v.cast<Real>();
+}
+
 inline constexpr double dt = 1e-3;  // s
 inline constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// No rise rule and automatic = 10 ms, unless a test states otherwise.
-inline Scene make_scene(const Limits& limits = {},
-                        FadePolicy fade = {.automatic = 0.01, .rise_speed = infinity}) {
+inline Scene make_scene(const Limits& limits = {}, FadePolicy fade = test_fade) {
     Scene scene({.representations = 64, .probes = 16}, limits);
     scene.set_fade(fade);
     return scene;

@@ -66,7 +66,7 @@ double work(const HeightField& field, Shading shading, double stiffness, const k
     scene.set_asset(1, &field);
     EXPECT_TRUE(scene.add({0, 1}, Shape{.asset = 1, .shading = shading, .stiffness = stiffness}));
     scene.settle();
-    const auto force = [&](const Vector& p) {
+    const auto force = [&](const Vector& p, const Vector& = Vector::Zero()) {
         return Vector(scene.evaluate(knurl::test::at(p), knurl::test::dt).force);
     };
     for (int i = 100; i > 0; --i) force(loop.at(0) + Vector(0, 0, 1e-4 * i));

@@ -7,12 +7,6 @@
 
 namespace knurl::test {
 
-using Long = Eigen::Matrix<long double, 3, 1>;
-
-inline Long exact(const Vec3& v) {
-    return to_eigen(v).cast<long double>();
-}
-
 /// A surface as in the servo: prepared, adopted, evaluated once per cycle.
 template <class R>
 struct Evaluated {
@@ -56,14 +50,14 @@ struct SmallLoop {
     }
 };
 
-/// Work on the hand along the loop (J), force(p) in N.
+/// Work on the hand along the loop (J), force(p, way) in N.
 template <class Force>
 double work_along(const SmallLoop& loop, int steps, Force&& force) {
     double sum = 0;
     Vector p = loop.at(0);
     for (int i = 0; i < steps; ++i) {
         const Vector next = loop.at(2 * M_PI * (i + 1) / steps);
-        sum += force(Vector((p + next) / 2)).dot(next - p);
+        sum += force(Vector((p + next) / 2), Vector(next - p)).dot(next - p);
         p = next;
     }
     return sum;

@@ -1,6 +1,5 @@
 // Moving meshes out of reach are not evaluated, and nothing else changes: compared with the same scene in
-// which each is evaluated in every cycle. A moving mesh with a texture has no bound, so the twin has a relief
-// of 1e-300 m.
+// which each is evaluated in every cycle.
 
 #include <array>
 #include <cmath>
@@ -13,7 +12,6 @@
 
 #include <knurl/geometry/mesh.hpp>
 
-#include "../../reps/src/broad_phase/bounding_tree.hpp"
 #include "scene_tools.hpp"
 
 using namespace knurl;
@@ -29,28 +27,6 @@ std::unique_ptr<Mesh> mesh_at(MadeMesh shape, const Vector& middle) {
         Triangles{.vertices = shape.vertices, .triangles = shape.triangles, .materials = {}},
         MeshBuild{.exact = true});
 }
-
-/// The scene as it is, and the one in which nothing is out of reach.
-struct Pair {
-    Scene skipping = make_scene({.max_force = 20}), exhaustive = make_scene({.max_force = 20});
-
-    static Shape always_evaluated(Shape shape) {
-        shape.texture.amplitude = 1e-300;
-        shape.velocity.x += 1e-300;
-        return shape;
-    }
-    void set_asset(std::uint32_t number, const Asset* asset) {
-        for (Scene* scene : {&skipping, &exhaustive}) scene->set_asset(number, asset);
-    }
-    bool add(RepresentationId h, const Shape& shape, const AddOptions& options) {
-        return bool(skipping.add(h, shape, options)) &&
-               bool(exhaustive.add(h, always_evaluated(shape), options));
-    }
-    bool update(RepresentationId h, const Shape& shape) {
-        return bool(skipping.update(h, shape)) && bool(exhaustive.update(h, always_evaluated(shape)));
-    }
-    bool remove(RepresentationId h) { return bool(skipping.remove(h)) && bool(exhaustive.remove(h)); }
-};
 
 struct Seen {
     std::uint64_t cycles = 0, felt = 0, begun = 0, evaluated = 0, instead_of = 0;
@@ -72,8 +48,7 @@ class Flight {
         for (std::uint32_t i = 0; i < meshes_.size(); ++i) pair_.set_asset(i + 1, meshes_[i].get());
         if (between(rng_, 0, 1)) {
             const ProbePlacement finger{.offset = {}, .radius = uniform(rng_, 0, 0.008)};
-            (void)pair_.skipping.place_probe(0, finger);
-            (void)pair_.exhaustive.place_probe(0, finger);
+            (void)pair_.place_probe(0, finger);
         }
         hand_ = at(origin_);
         for (std::uint32_t i = 0; i < slots; ++i) add(i);
@@ -149,7 +124,7 @@ class Flight {
     void change() {
         if (between(rng_, 0, 400) == 0) silent_ = silent_ > 0 ? 0 : 1e-3;
         if (silent_ > 0) silent_ += dt;
-        for (Scene* scene : {&pair_.skipping, &pair_.exhaustive}) scene->set_silence(silent_);
+        pair_.each([&](Scene& scene) { scene.set_silence(silent_); });
         if (between(rng_, 0, 15) != 0) return;
         const auto i = static_cast<std::uint32_t>(between(rng_, 0, static_cast<int>(slots) - 1));
         if (!there_[i]) return add(i);
@@ -193,7 +168,7 @@ class Flight {
     }
 
     knurl::test::Rng rng_;
-    Pair pair_;
+    ScenePair pair_{{.representations = 64, .probes = 16}, {.max_force = 20}};
     std::vector<std::unique_ptr<Mesh>> meshes_;
     const Vector origin_;
     const bool far_;
@@ -324,62 +299,6 @@ TEST(MovingShapes, WhatIsHeldInASilenceGoesOnFromThereAfterIt) {
         if (told > 0.52) return;
     }
     FAIL() << "it never came";
-}
-
-TEST(BoundingTree, UntilItSaysNothingThatMovesComesNearerUnseen) {
-    const std::uint64_t seed = 78;
-    knurl::test::Rng rng(seed);
-    std::uint64_t seen = 0, unseen = 0;
-    for (int round = 0; round < 300; ++round) {
-        constexpr std::uint32_t n = 40;
-        detail::BoundingTree reach(n);
-        struct Ball {
-            Vector center, velocity;
-            double radius, since;
-            bool holds, there;
-        };
-        std::array<Ball, n> balls{};
-        const double offset = round % 4 == 0 ? 1e6 : 0;
-        const Vector origin(offset, 0, -offset);
-        for (int i = 0; i < 100; ++i) {
-            const auto slot = static_cast<std::uint32_t>(between(rng, 0, n - 1));
-            Ball& b = balls[slot];
-            if (between(rng, 0, 3) == 0) {
-                b.there = false;
-                reach.drop(slot);
-                continue;
-            }
-            b = {origin + uniform(rng, 0, 0.5) * direction(rng),
-                 scale(rng, 1e-3, 2) * direction(rng),
-                 uniform(rng, 0, 0.1),
-                 uniform(rng, 1.8, 2),
-                 between(rng, 0, 1) != 0,
-                 true};
-            reach.put_moving(slot, b.center, b.radius, b.velocity, b.since, b.holds);
-        }
-        const SceneTime now{.all = uniform(rng, 2, 2.5), .held = uniform(rng, 1.8, 2)};
-        const Vector p = origin + 0.1 * direction(rng);
-        const double within = scale(rng, 1e-6, 0.05);
-        std::array<std::uint32_t, n> found;
-        const detail::BoundingTree::Coming coming = reach.collect_moving(p, within, now, found);
-        ASSERT_GT(coming.lasts, 0) << "seed " << seed << " round " << round;
-        for (std::uint32_t s = 0; s < n; ++s) {
-            if (!balls[s].there) continue;
-            if (std::find(found.begin(), found.begin() + coming.count, s) != found.begin() + coming.count) {
-                ++seen;
-                continue;
-            }
-            ++unseen;
-            const double moved = std::max(0.0, now.of(balls[s].holds) - balls[s].since);
-            for (int k = 0; k <= 20; ++k) {  // one that is held may stand or move
-                const double t = moved + k * 0.05 * std::min(coming.lasts, 10.0);
-                ASSERT_GE((balls[s].center + t * balls[s].velocity - p).norm() - balls[s].radius, within)
-                    << "seed " << seed << " round " << round << " slot " << s;
-            }
-        }
-    }
-    EXPECT_GT(seen, 150u);
-    EXPECT_GT(unseen, 500u);
 }
 
 }  // namespace shapes_moving_tests

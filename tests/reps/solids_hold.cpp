@@ -49,12 +49,12 @@ struct WayIn {
     WayIn(Rng& rng, const R& s, double beside) {
         probe = between(rng, 0, 1) ? 0 : uniform(rng, 0, 2) * least_radius(s);
         const double size = largest(s) + probe;
-        Nearest start;
+        exact::Foot start;
         do {
             from = to_eigen(s.center) + 1.5 * size * direction(rng);
-            start = reference(s, from.cast<long double>(), probe);
+            start = nearest_foot(s, from, probe);
         } while (!(start.height > 1e-4L));
-        normal = start.normal.cast<double>();
+        normal = exact::rounded(start.normal);
         from -= static_cast<double>(start.height - 1e-4L) * normal;
         from += beside * least_radius(s) * normal.cross(direction(rng));
         if constexpr (std::is_same_v<R, Cylinder>) {

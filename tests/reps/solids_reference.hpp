@@ -1,84 +1,25 @@
 #pragma once
 // Random spheres, capsules, cylinders and tori, and the nearest point of their surface.
 
-#include <optional>
+#include <algorithm>
 
 #include <knurl/reps/capsule.hpp>
 #include <knurl/reps/cylinder.hpp>
 #include <knurl/reps/sphere.hpp>
 #include <knurl/reps/torus.hpp>
 
+#include "../reference/parameters.hpp"
 #include "shape_tools.hpp"
 
 namespace knurl::test {
 
-// ---- The reference: the nearest point of the surface, in long double ----
-
-struct Nearest {
-    long double height;  // of p, minus the probe's radius
-    Long normal;
-    bool deep = false;  // more than half way through a hole that the probe plugs
-};
-
-Long axis_of(const auto& s) {
-    return exact(s.axis).normalized();
+/// The nearest point of the surface: what the reference says of a probe that comes there first.
+template <class R>
+exact::Foot nearest_foot(const R& s, const Vector& p, double probe) {
+    const auto feet = exact::SolidTouch().step(exact::solid_of(s), exact::real(p), probe);
+    return *std::min_element(feet.begin(), feet.end(),
+                             [](const exact::Foot& a, const exact::Foot& b) { return a.height < b.height; });
 }
-inline Nearest from_point(const Long& p, const Long& core, long double reach, bool inside) {
-    const Long out = p - core;
-    const long double sign = inside ? -1 : 1;
-    return {sign * (out.norm() - reach), sign * out.normalized()};
-}
-
-inline Nearest reference(const Sphere& s, const Long& p, double probe) {
-    const bool inside = s.side == Side::inside;
-    return from_point(p, exact(s.center), s.radius + (inside ? -1.0L : 1.0L) * probe, inside);
-}
-inline Nearest reference(const Capsule& s, const Long& p, double probe) {
-    const bool inside = s.side == Side::inside;
-    const Long from = exact(s.center) - s.half_length * axis_of(s),
-               to = exact(s.center) + s.half_length * axis_of(s);
-    const long double share = s.half_length > 0 ? (p - from).dot(to - from) / (to - from).squaredNorm() : 0;
-    return from_point(p, from + std::clamp(share, 0.0L, 1.0L) * (to - from),
-                      s.radius + (inside ? -1.0L : 1.0L) * probe, inside);
-}
-inline Nearest reference(const Torus& s, const Long& p, double probe) {
-    const bool inside = s.side == Side::inside;
-    const Long q = p - exact(s.center), flat = q - axis_of(s).dot(q) * axis_of(s);
-    const Long circle = s.radius * flat.normalized();
-    const long double size = s.tube + (inside ? -1.0L : 1.0L) * probe;
-    const Long foot = circle + size * (q - circle).normalized();
-    if (inside || (foot + circle).norm() >= size)
-        return from_point(p, exact(s.center) + circle, size, inside);
-    // The foot is in the tube on the other side: the axis is free beyond the point where both circles meet.
-    const long double along = axis_of(s).dot(q), seat = std::sqrt(size * size - circle.squaredNorm());
-    const Long out = std::copysign(seat, along) * axis_of(s) - q;
-    return {-out.norm(), out.normalized(), std::abs(along) < seat / 2};
-}
-inline Nearest reference(const Cylinder& s, const Long& p, double probe) {
-    const bool inside = s.side == Side::inside;
-    const Long a = axis_of(s), q = p - exact(s.center), flat = q - a.dot(q) * a;
-    const long double along = a.dot(q), grow = inside ? -1.0L : 0.0L;
-    const long double radius = s.radius + grow * probe, half = s.half_length + grow * probe;
-    const Long on_wall = along * a + radius * flat.normalized();
-    const Long on_end = std::copysign(half, along) * a + flat;
-    const bool in_wall = flat.norm() <= radius, in_end = std::abs(along) <= half;
-    if (inside) {  // the most violated face, or the nearest
-        const bool wall = radius - flat.norm() <= half - std::abs(along);
-        const long double h = wall ? radius - flat.norm() : half - std::abs(along);
-        return {h, wall ? Long(-flat.normalized()) : Long(-std::copysign(1.0L, along) * a)};
-    }
-    if (in_wall && in_end) {
-        const bool wall = (q - on_wall).norm() <= (q - on_end).norm();
-        const Long out = wall ? Long(on_wall - q) : Long(on_end - q);
-        return {-out.norm() - probe, wall ? flat.normalized() : Long(std::copysign(1.0L, along) * a)};
-    }
-    const Long nearest = in_wall  ? on_end
-                         : in_end ? on_wall
-                                  : Long(std::copysign(half, along) * a + radius * flat.normalized());
-    return {(q - nearest).norm() - probe, (q - nearest).normalized()};
-}
-
-// ---- Any of them ----
 
 inline double least_radius(const Sphere& s) {
     return s.radius;
@@ -125,7 +66,7 @@ Vector some_point(Rng& rng, const R& s, double probe = 0) {
 // Does another face of the solid come nearer on the straight way in?
 template <class R>
 bool straight_in(const R& s, const Vector& surface, const Vector& n, double depth, double probe) {
-    return std::abs(reference(s, (surface - depth * n).cast<long double>(), probe).height + depth) < 1e-12L;
+    return std::abs(nearest_foot(s, surface - depth * n, probe).height + depth) < 1e-12L;
 }
 
 template <class R>

@@ -28,50 +28,6 @@ const Plane floor_with(Friction friction) {
 
 }  // namespace
 
-TEST(Tangential, SlidesAtTheDynamicCoefficientTimesTheNormalForce) {
-    Scene scene = make_scene();
-    ASSERT_TRUE(scene.add({0, 1}, floor_with({.static_ = 0.8, .dynamic = 0.5})));
-    scene.settle();
-    const Wrench w = stroke(scene, {0, 0, -0.002}, {0.05, 0, -0.002}, 500);
-    EXPECT_NEAR(w.force.z(), 2.0, 1e-12);
-    EXPECT_NEAR(w.force.x(), -1.0, 1e-9);  // 0.5 x 2 N
-    EXPECT_NEAR(w.force.y(), 0.0, 1e-12);
-}
-
-TEST(Tangential, HoldsUntilTheStaticCoefficientIsExceeded) {
-    Scene scene = make_scene();
-    ASSERT_TRUE(scene.add({0, 1}, floor_with({.static_ = 0.8, .dynamic = 0.5})));
-    scene.settle();
-    // 1.5 mm from where it touched, at 1000 N/m: 1.5 N < 0.8 x 2 N.
-    stroke(scene, {0, 0, -0.002}, {0, 0, -0.002}, 5);
-    const Wrench held = stroke(scene, {0, 0, -0.002}, {0.0015, 0, -0.002}, 100);
-    EXPECT_NEAR(held.force.x(), -1.5, 1e-9);
-    const Wrench back = stroke(scene, {0.0015, 0, -0.002}, {0, 0, -0.002}, 100);
-    EXPECT_NEAR(back.force.x(), 0.0, 1e-9);
-}
-
-TEST(Tangential, ASurfaceWithoutFrictionHasNone) {
-    Scene scene = make_scene();
-    ASSERT_TRUE(scene.add({0, 1}, floor_with({})));
-    scene.settle();
-    const Wrench w = stroke(scene, {0, 0, -0.002}, {0.05, 0, -0.002}, 100);
-    EXPECT_EQ(w.force.x(), 0.0);
-}
-
-TEST(Tangential, InACornerOfTwoOnlyTheirLineIsFree) {
-    Scene scene = make_scene();
-    ASSERT_TRUE(
-        scene.add({0, 1}, Plane{.normal = {0, 0, 1}, .stiffness = 1000, .friction = {.dynamic = 0.5}}));
-    ASSERT_TRUE(
-        scene.add({1, 1}, Plane{.normal = {1, 0, 0}, .stiffness = 1000, .friction = {.dynamic = 0.5}}));
-    scene.settle();
-    const Vector deep(-0.003, 0, -0.004);
-    const Wrench along = stroke(scene, deep, deep + Vector(0, 0.05, 0), 500);
-    EXPECT_NEAR(along.force.y(), -2.5, 1e-9);  // 0.5 x |(3, 4)| N
-    EXPECT_NEAR(along.force.x(), 3.0, 1e-9);
-    EXPECT_NEAR(along.force.z(), 4.0, 1e-9);
-}
-
 TEST(Tangential, AVertexHoldsWithoutFriction) {
     Scene scene = make_scene();
     for (std::uint32_t i = 0; i < 3; ++i) {
@@ -156,31 +112,6 @@ TEST(Tangential, AMovingTableIsFeltBetweenUpdatesAndCarriesTheHand) {
     for (int i = 0; i < 100; ++i) w = scene.evaluate(at({0, 0, -0.001}), dt);
     EXPECT_NEAR(w.force.z(), 1.0 + 1000 * 0.1 * 0.01, 1e-9);
     EXPECT_NEAR(w.force.x(), 0.5 * w.force.z(), 1e-9);  // dragged along, sliding
-}
-
-TEST(Tangential, DampingIsAgainstTheMotionOfTheSurface) {
-    Scene scene = make_scene();
-    ASSERT_TRUE(scene.add({0, 1}, Plane{.velocity = {0, 0, 0.02}, .stiffness = 1000, .damping = 10}));
-    scene.settle();
-    // The hand goes down at 0.03 m/s while the table comes up at 0.02 m/s.
-    EXPECT_NEAR(scene.evaluate(at({0, 0, -0.001}, {0, 0, -0.03}), dt).force.z(), 1.0 + 10 * 0.05, 1e-12);
-    // ... and with the table it feels none.
-    Scene together = make_scene();
-    ASSERT_TRUE(together.add({0, 1}, Plane{.velocity = {0, 0, 0.02}, .stiffness = 1000, .damping = 10}));
-    together.settle();
-    EXPECT_NEAR(together.evaluate(at({0, 0, -0.001}, {0, 0, 0.02}), dt).force.z(), 1.0, 1e-12);
-}
-
-TEST(Summed, PlanesByNameAddUpAsThePaperHasThem) {
-    Scene scene = make_scene();
-    for (std::uint32_t i = 0; i < 3; ++i) {
-        ASSERT_TRUE(scene.add({i, 1}, Plane{.stiffness = 500, .combine = PlaneCombine::sum}));
-    }
-    ASSERT_TRUE(scene.add({3, 1}, Plane{.stiffness = 500}));
-    ASSERT_TRUE(scene.add({4, 1}, Plane{.stiffness = 500}));
-    scene.settle();
-    // Three summed planes, two that act as one.
-    EXPECT_NEAR(scene.evaluate(at({0, 0, -0.001}), dt).force.z(), 0.5 * 3 + 0.5, 1e-12);
 }
 
 TEST(Summed, TheyFadeAndDampAndRubLikeAnyOther) {

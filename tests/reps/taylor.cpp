@@ -1,4 +1,4 @@
-// Taylor fields of force, and of force and torque, against their series in long double.
+// Taylor fields of force, and of force and torque. tests/reference/fields.cpp compares them with their series.
 
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
@@ -37,140 +37,7 @@ Eigen::Matrix<Real, N, N> clamped_reference(const Eigen::Matrix<double, N, N>& j
            q * solver.eigenvalues().cwiseMax(low).cwiseMin(high).asDiagonal() * q.transpose();
 }
 
-template <int N>
-using RealSquare = Eigen::Matrix<Real, N, N>;
-template <int N>
-using RealColumn = Eigen::Matrix<Real, N, 1>;
-
-/// A polynomial of a length, with its slope: the effect of an edge.
-struct Length {
-    Real value = 0, slope = 0;
-};
-Length smoothstep(Real r, Real core, Real reach) {
-    if (r <= core * reach) return {1, 0};
-    if (r >= reach) return {0, 0};
-    const Real v = (r / reach - core) / (1 - core);  // 0 where it begins
-    return {1 - v * v * (3 - 2 * v), -6 * v * (1 - v) / ((1 - core) * reach)};
-}
-/// r^2 and its tangent from the rim on; r, and from the rim on R (2 - R / r).
-Length squared(Real r, Real reach) {
-    return r <= reach ? Length{r * r, 2 * r} : Length{2 * reach * r - reach * reach, 2 * reach};
-}
-Length saturated(Real r, Real reach) {
-    return r <= reach ? Length{r, 1} : Length{reach * (2 - reach / r), reach * reach / (r * r)};
-}
-RealVector unit_of(const RealVector& d) {
-    const Real r = d.norm();
-    return r > 0 ? RealVector(d / r) : RealVector(RealVector::Zero());
-}
-/// The gradient of q(u) h(r), q = u^T S u / 2.
-RealVector gradient(const Eigen::Matrix<Real, 3, 3>& s, const RealVector& d, const Length& h) {
-    const Real r = d.norm();
-    if (!(r > 0)) return RealVector::Zero();
-    const RealVector u = d / r, su = s * u;
-    return u.dot(su) / 2 * h.slope * u + h.value / r * (su - u.dot(su) * u);
-}
-/// The gradient of c^T u h(r).
-RealVector linear(const RealVector& c, const RealVector& d, const Length& h) {
-    const Real r = d.norm();
-    if (!(r > 0)) return h.slope * c;
-    const RealVector u = d / r;
-    return h.slope * u.dot(c) * u + h.value / r * (c - u.dot(c) * u);
-}
-RealVector within(const RealVector& d, Real reach) {
-    return d.norm() > reach ? RealVector(reach / d.norm() * d) : d;
-}
-
-/// As reps/README.md has it: 3 or 6 dimensions, with the edges of `core`.
-struct Model {
-    RealVector force, torque = RealVector::Zero();
-    RealSquare<6> j = RealSquare<6>::Zero();
-    Real reach, angle = 1, core, level;
-    bool holds;
-
-    explicit Model(const Taylor& f)
-        : force(wide(f.force)), reach(f.radius), core(f.core), holds(f.edge == TaylorEdge::hold) {
-        j.topLeftCorner<3, 3>() = to_eigen(f.jacobian).cast<Real>();
-        find_level();
-    }
-    explicit Model(const Taylor6& f)
-        : force(wide(f.force)),
-          torque(wide(f.torque)),
-          j(to_eigen(f.jacobian).cast<Real>()),
-          reach(f.radius),
-          angle(f.angle),
-          core(f.core),
-          holds(f.edge == TaylorEdge::hold) {
-        find_level();
-    }
-    void find_level() {  // the mean over the sphere in the middle of the edge
-        const Real middle = (1 + core) / 2;
-        level = middle * middle / 6 *
-                (j.topLeftCorner<3, 3>().trace() * reach * reach +
-                 j.bottomRightCorner<3, 3>().trace() * angle * angle);
-    }
-    RealColumn<6> felt(const RealVector& d, const RealVector& theta) const {
-        const RealSquare<6> s = (j + j.transpose()) / 2, curl = (j - j.transpose()) / 2;
-        RealColumn<6> z, out;
-        z << d, theta;
-        if (!holds) {
-            out << force, torque;
-            const Real work = out.dot(z) + z.dot(s * z) / 2 - level;
-            const Length a = smoothstep(d.norm(), core, reach), b = smoothstep(theta.norm(), core, angle);
-            out = a.value * b.value * (out + j * z);
-            out.head<3>() += a.slope * b.value * work * unit_of(d);
-            out.tail<3>() += a.value * b.slope * work * unit_of(theta);
-            return out;
-        }
-        RealColumn<6> rim;
-        rim << within(d, reach), within(theta, angle);
-        out = curl * rim;
-        const Length a = saturated(d.norm(), reach), b = saturated(theta.norm(), angle);
-        out.head<3>() += force + gradient(s.topLeftCorner<3, 3>(), d, squared(d.norm(), reach)) +
-                         linear(s.topRightCorner<3, 3>() * (b.value * unit_of(theta)), d, a);
-        out.tail<3>() += torque + gradient(s.bottomRightCorner<3, 3>(), theta, squared(theta.norm(), angle)) +
-                         linear(s.bottomLeftCorner<3, 3>() * (a.value * unit_of(d)), theta, b);
-        return out;
-    }
-};
-
-/// The steepness: the effect of rounding in the coordinates.
-Real steepness(const Model& m) {
-    const Real size = m.force.norm() + m.torque.norm() + m.j.norm() * (m.reach + m.angle);
-    const Real width = (1 - m.core) * std::min(m.reach, m.angle);
-    return m.j.norm() + size / width + 6 * size * (m.reach + m.angle) / (width * width);
-}
-
 }  // namespace
-
-TEST(Taylor, IsItsSeriesForRandomParameters) {
-    const std::uint64_t seed = 301;
-    Rng rng(seed);
-    for (int i = 0; i < (long_form() ? 1'000'000 : 30'000); ++i) {
-        const double far = between(rng, 0, 5) == 0 ? 1e6 : scale(rng, 1e-6, 1);
-        Taylor field{.origin = to_plain(far * direction(rng)),
-                     .force = to_plain(scale(rng, 1e-3, 10) * direction(rng)),
-                     .jacobian = random_matrix(rng, scale(rng, 1e-3, 3000)),
-                     .radius = scale(rng, 1e-6, 10),
-                     .edge = between(rng, 0, 1) ? TaylorEdge::fade : TaylorEdge::hold};
-        const Probe probe =
-            at(to_eigen(field.origin) + 1.2 * field.radius * uniform(rng, 0, 1) * direction(rng));
-        const Taylor servo = prepared(field, {});
-        const Model model(servo);
-        const RealVector p = wide(probe.position), d = p - wide(field.origin);
-        const RealVector want = model.felt(d, RealVector::Zero()).head<3>();
-        if (d.norm() < 0.8L * field.radius) {
-            ASSERT_LE((want - wide(field.force) - to_eigen(field.jacobian).cast<Real>() * d).norm(),
-                      1e-15L * (want.norm() + steepness(model) * d.norm()));
-        }
-        const Real force = model.force.norm() + model.j.norm() * model.reach;
-        const Real slope = model.j.norm() + 2 * Real(7.5) * force / model.reach +
-                           (field.edge == TaylorEdge::fade ? 150 * force / model.reach : 0);
-        const Real size = 10 * force + slope * (p.norm() + wide(field.origin).norm());
-        ASSERT_LE((wide(felt(field, probe).force) - want).norm(), 1e-12L * size)
-            << "seed " << seed << " case " << i;
-    }
-}
 
 TEST(Taylor, OfAnInverseSquareFieldIsThirtyTimesNearerThanAConstantForceAtOneMillimetre) {
     // 1 N at 20 mm: F = c r / |r|^3, dF/dr = c (1 - 3 u u^T) / |r|^3.
@@ -275,40 +142,6 @@ TEST(Taylor, ReturnsTheWorkOfALoopUnlessItHasACurl) {
         const Vector curl(j(2, 1) - j(1, 2), j(0, 2) - j(2, 0), j(1, 0) - j(0, 1));
         const double work = work_of_loop(curled, circle);
         EXPECT_NEAR(work / (M_PI * r * r * curl.dot(n)), 1, 1e-6) << "seed " << seed << " case " << i;
-    }
-}
-
-TEST(Taylor6, IsItsSeriesForRandomParameters) {
-    const std::uint64_t seed = 305;
-    Rng rng(seed);
-    for (int i = 0; i < (long_form() ? 500'000 : 20'000); ++i) {
-        Taylor6 field{.origin = to_plain((between(rng, 0, 5) ? 0.1 : 1e6) * direction(rng)),
-                      .orientation = to_plain(turn(rng)),
-                      .force = to_plain(direction(rng)),
-                      .torque = to_plain(0.1 * direction(rng)),
-                      .radius = scale(rng, 1e-3, 1),
-                      .angle = uniform(rng, 0.01, M_PI / 2),
-                      .edge = between(rng, 0, 1) ? TaylorEdge::fade : TaylorEdge::hold};
-        for (double& entry : field.jacobian.at) entry = uniform(rng, -100, 100);
-        const Vector axis = direction(rng);
-        const double angle = 1.5 * field.angle * uniform(rng, 0, 1);
-        Probe probe = at(to_eigen(field.origin) + 1.2 * field.radius * uniform(rng, 0, 1) * direction(rng));
-        const Eigen::Quaternion<Real> q0 = to_eigen(field.orientation).cast<Real>().normalized();
-        const Eigen::Quaternion<Real> dq(Eigen::AngleAxis<Real>(angle, axis.cast<Real>().normalized()));
-        probe.orientation = (dq * q0).cast<double>();
-        if (between(rng, 0, 1)) probe.orientation.coeffs() *= -1;  // the same orientation
-
-        const RealVector d = wide(probe.position) - wide(field.origin),
-                         theta = angle * axis.cast<Real>().normalized();
-        const Model model(prepared(field, {}));
-        const RealColumn<6> want = model.felt(d, theta);
-        const Wrench got = felt(field, probe);
-        const Real size = (steepness(model) + model.force.norm() + model.torque.norm()) *
-                          (2 + 2 * wide(probe.position).norm());
-        ASSERT_LE((wide(got.force) - want.head<3>()).norm(), 1e-12L * size)
-            << "seed " << seed << " case " << i;
-        ASSERT_LE((wide(got.torque) - want.tail<3>()).norm(), 1e-12L * size)
-            << "seed " << seed << " case " << i;
     }
 }
 

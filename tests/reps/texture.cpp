@@ -15,8 +15,6 @@ namespace texture_tests {
 namespace {
 
 using Vector = Eigen::Vector3d;
-using Real = long double;
-using RealVector = Eigen::Matrix<Real, 3, 1>;
 constexpr Real pi = std::numbers::pi_v<Real>;
 
 Texture random_texture(Rng& rng) {

@@ -11,6 +11,8 @@
 #include <knurl/geometry/triangles.hpp>
 #include <knurl/servo/asset_build.hpp>
 
+#include "../refusal.hpp"
+
 namespace {
 
 using knurl::AssetMaterial;
@@ -66,12 +68,7 @@ Bytes field() {
 }
 
 std::string refusal(std::span<const std::byte> bytes, std::uint64_t budget = plenty) {
-    try {
-        build_asset(bytes, budget);
-    } catch (const std::runtime_error& error) {
-        return error.what();
-    }
-    return "accepted";
+    return knurl::test::refusal_of([&] { build_asset(bytes, budget); });
 }
 
 TEST(AssetBuild, AMeshComesOutWithItsMaterials) {

@@ -7,28 +7,20 @@
 #include <knurl/servo/config.hpp>
 #include <knurl/servo/daemon.hpp>
 
+#include "../refusal.hpp"
 #include "process_knurld.hpp"
 
 namespace knurl::servo {
 namespace {
 
 std::string complaint(const std::string& text) {
-    try {
-        check(parse_config(text, "lab.toml"));
-    } catch (const ConfigError& error) {
-        return error.what();
-    }
-    return "none";
+    return test::refusal_of<ConfigError>([&] { check(parse_config(text, "lab.toml")); });
 }
 
 std::string refusal(std::vector<const char*> arguments) {
     arguments.insert(arguments.begin(), "knurld");
-    try {
-        parse_command_line(static_cast<int>(arguments.size()), arguments.data());
-    } catch (const ConfigError& error) {
-        return error.what();
-    }
-    return "none";
+    return test::refusal_of<ConfigError>(
+        [&] { parse_command_line(static_cast<int>(arguments.size()), arguments.data()); });
 }
 
 DaemonConfig told(std::vector<const char*> arguments) {

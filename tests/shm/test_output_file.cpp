@@ -18,20 +18,12 @@
 
 #include <knurl/measure/output_file.hpp>
 
+#include "../refusal.hpp"
+
 namespace knurl::measure {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// The text that it throws; empty: none.
-std::string complaint(const std::function<void()>& does) {
-    try {
-        does();
-        return "";
-    } catch (const std::runtime_error& error) {
-        return error.what();
-    }
-}
 
 class OutputFile : public testing::Test {
   protected:
@@ -66,7 +58,7 @@ TEST_F(OutputFile, IsAsItWasIfTheNewTextDoesNotFit) {
     const rlimit small{.rlim_cur = 4096, .rlim_max = before.rlim_max};
     const auto handler = std::signal(SIGXFSZ, SIG_IGN);  // the call fails instead
     ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
-    const std::string said = complaint([&] { write_file(path(), std::string(100'000, 'x')); });
+    const std::string said = knurl::test::refusal_of([&] { write_file(path(), std::string(100'000, 'x')); });
     ::setrlimit(RLIMIT_FSIZE, &before);
     std::signal(SIGXFSZ, handler);
     EXPECT_EQ(said, path() + ": cannot be written: File too large");
@@ -76,9 +68,9 @@ TEST_F(OutputFile, IsAsItWasIfTheNewTextDoesNotFit) {
 
 TEST_F(OutputFile, ThatCannotBeWrittenIsKnownBeforeTheWork) {
     const std::string nowhere = path() + "/run.json";
-    const std::string said = complaint([&] { require_writable(nowhere); });
+    const std::string said = knurl::test::refusal_of([&] { require_writable(nowhere); });
     EXPECT_EQ(said, nowhere + ": cannot be written: No such file or directory");
-    EXPECT_EQ(complaint([&] { write_file(nowhere, "new\n"); }), said);
+    EXPECT_EQ(knurl::test::refusal_of([&] { write_file(nowhere, "new\n"); }), said);
     require_writable("-");
     require_writable(path());
     EXPECT_EQ(files(), 0) << "who only asks leaves nothing";

@@ -1,6 +1,5 @@
 #include <cstring>
 #include <fstream>
-#include <functional>
 #include <sstream>
 
 #include <fcntl.h>
@@ -10,17 +9,10 @@
 
 #include <knurl/shm/segment.hpp>
 
+#include "../refusal.hpp"
+
 namespace knurl::shm {
 namespace {
-
-std::string error_of(const std::function<void()>& action) {
-    try {
-        action();
-    } catch (const std::runtime_error& error) {
-        return error.what();
-    }
-    return "";
-}
 
 TEST(Segment, IsZeroAndSharedByWhoeverOpensItsDescriptor) {
     Segment ours = Segment::create("knurl-test", 10000);
@@ -61,7 +53,8 @@ TEST(Segment, MovesWithItsMapping) {
 TEST(SealedSegment, ClientsCanMapItReadOnlyAndInNoOtherWay) {
     Segment servo = Segment::create("knurl-test", 4096);
     servo.seal_against_new_writers();
-    EXPECT_NE(error_of([&] { Segment::open(servo.fd(), 4096, Segment::Access::read_write); }), "");
+    EXPECT_NE(test::refusal_of([&] { Segment::open(servo.fd(), 4096, Segment::Access::read_write); }),
+              "accepted");
     Segment client = Segment::open(servo.fd(), 4096, Segment::Access::read_only);
     EXPECT_NE(::mprotect(client.data(), 4096, PROT_READ | PROT_WRITE), 0);
     EXPECT_EQ(::mmap(nullptr, 4096, PROT_READ | PROT_WRITE, MAP_SHARED, client.fd(), 0), MAP_FAILED);
@@ -81,7 +74,7 @@ TEST(SealedSegment, ClientsCanMapItReadOnlyAndInNoOtherWay) {
 TEST(SegmentOpen, RefusesAnotherSizeAndSaysBoth) {
     const Segment segment = Segment::create("knurl-test", 4096);
     const std::string error =
-        error_of([&] { Segment::open(segment.fd(), 8192, Segment::Access::read_only); });
+        test::refusal_of([&] { Segment::open(segment.fd(), 8192, Segment::Access::read_only); });
     EXPECT_NE(error.find("4096"), std::string::npos) << error;
     EXPECT_NE(error.find("8192"), std::string::npos) << error;
 }
@@ -89,14 +82,18 @@ TEST(SegmentOpen, RefusesAnotherSizeAndSaysBoth) {
 TEST(SegmentOpen, RefusesWhatIsNotSealedOrNotAMemfd) {
     const UniqueFd unsealed(::memfd_create("unsealed", MFD_CLOEXEC | MFD_ALLOW_SEALING));
     ASSERT_EQ(::ftruncate(unsealed.get(), 4096), 0);
-    EXPECT_NE(error_of([&] { Segment::open(unsealed.get(), 4096, Segment::Access::read_only); }), "");
+    EXPECT_NE(test::refusal_of([&] { Segment::open(unsealed.get(), 4096, Segment::Access::read_only); }),
+              "accepted");
     ASSERT_EQ(::fcntl(unsealed.get(), F_ADD_SEALS, F_SEAL_SHRINK), 0);
-    EXPECT_NE(error_of([&] { Segment::open(unsealed.get(), 4096, Segment::Access::read_only); }), "");
+    EXPECT_NE(test::refusal_of([&] { Segment::open(unsealed.get(), 4096, Segment::Access::read_only); }),
+              "accepted");
 
     const UniqueFd device(::open("/dev/zero", O_RDWR | O_CLOEXEC));
-    EXPECT_NE(error_of([&] { Segment::open(device.get(), 4096, Segment::Access::read_only); }), "");
-    EXPECT_NE(error_of([&] { Segment::open(device.get(), 0, Segment::Access::read_only); }), "");
-    EXPECT_NE(error_of([&] { Segment::open(-1, 4096, Segment::Access::read_only); }), "");
+    EXPECT_NE(test::refusal_of([&] { Segment::open(device.get(), 4096, Segment::Access::read_only); }),
+              "accepted");
+    EXPECT_NE(test::refusal_of([&] { Segment::open(device.get(), 0, Segment::Access::read_only); }),
+              "accepted");
+    EXPECT_NE(test::refusal_of([&] { Segment::open(-1, 4096, Segment::Access::read_only); }), "accepted");
 }
 
 TEST(SealedSegment, IsReadByOthersAndWrittenByNobody) {
@@ -115,18 +112,18 @@ TEST(SealedSegment, IsReadByOthersAndWrittenByNobody) {
 
 TEST(SealedSegment, RefusesWhatCanStillBeWritten) {
     const Segment open = Segment::create("knurl-test", 4096);
-    const std::string error = error_of([&] { Segment::open_sealed(open.fd(), 4096); });
+    const std::string error = test::refusal_of([&] { Segment::open_sealed(open.fd(), 4096); });
     EXPECT_NE(error.find("F_SEAL_WRITE"), std::string::npos) << error;
     Segment written = Segment::create("knurl-test", 4096);
     const UniqueFd fd = Segment::seal(std::move(written));
-    EXPECT_NE(error_of([&] { Segment::open_sealed(fd.get(), 8192); }), "");
+    EXPECT_NE(test::refusal_of([&] { Segment::open_sealed(fd.get(), 8192); }), "accepted");
 }
 
 TEST(SegmentOpen, LeavesTheCallersDescriptorAlone) {
     Segment segment = Segment::create("knurl-test", 4096);
     const int fd = ::dup(segment.fd());
     { const Segment opened = Segment::open(fd, 4096, Segment::Access::read_write); }
-    error_of([&] { Segment::open(fd, 8192, Segment::Access::read_write); });
+    test::refusal_of([&] { Segment::open(fd, 8192, Segment::Access::read_write); });
     EXPECT_EQ(::close(fd), 0);
 }
 
@@ -139,7 +136,7 @@ TEST(SegmentColour, SpreadsWhatIsLookedAtOverThePage) {
 }
 
 TEST(Segment, RefusesToBeEmpty) {
-    EXPECT_NE(error_of([] { Segment::create("knurl-test", 0); }), "");
+    EXPECT_NE(test::refusal_of([] { Segment::create("knurl-test", 0); }), "accepted");
 }
 
 }  // namespace

@@ -2,7 +2,6 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <functional>
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -14,19 +13,12 @@
 #include <knurl/shm/segment.hpp>
 #include <knurl/shm/socket.hpp>
 
+#include "../refusal.hpp"
+
 namespace knurl::shm::socket_tests {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string error_of(const std::function<void()>& action) {
-    try {
-        action();
-    } catch (const std::runtime_error& error) {
-        return error.what();
-    }
-    return "";
-}
 
 std::size_t open_descriptors() {
     std::size_t n = 0;
@@ -138,7 +130,7 @@ TEST_F(Socket, AHostileSenderCannotFillOurDescriptorTable) {
     constexpr std::size_t many = 200;
     std::array<int, many> fds;
     fds.fill(client_.get());
-    EXPECT_NE(error_of([&] { send_message(client_, bytes_of("x"), fds); }), "");
+    EXPECT_NE(test::refusal_of([&] { send_message(client_, bytes_of("x"), fds); }), "accepted");
     alignas(cmsghdr) std::array<std::byte, CMSG_SPACE(sizeof fds)> control{};
     char letter = 'x';
     iovec data{.iov_base = &letter, .iov_len = 1};
@@ -179,7 +171,7 @@ TEST_F(Socket, ReplacesTheSocketThatADeadServoLeftBehind) {
 
 TEST_F(Socket, DoesNotTouchALiveServo) {
     connect();
-    const std::string error = error_of([&] { listen_at(path_, 0660, 8); });
+    const std::string error = test::refusal_of([&] { listen_at(path_, 0660, 8); });
     EXPECT_NE(error.find("another servo named default is running"), std::string::npos) << error;
     client_ = connect_to(path_);  // the first one still answers
     EXPECT_TRUE(accepted());
@@ -188,22 +180,22 @@ TEST_F(Socket, DoesNotTouchALiveServo) {
 TEST_F(Socket, DoesNotTouchALiveServoWithAFullBacklog) {
     listener_ = listen_at(path_, 0660, 0);
     client_ = connect_to(path_);  // never accepted: the next one would have to wait
-    EXPECT_NE(error_of([&] { listen_at(path_, 0660, 0); }), "");
+    EXPECT_NE(test::refusal_of([&] { listen_at(path_, 0660, 0); }), "accepted");
     EXPECT_TRUE(fs::exists(path_));
 }
 
 TEST_F(Socket, NeverRemovesAFileThatIsNotASocket) {
     std::ofstream(path_) << "precious";
-    EXPECT_NE(error_of([&] { listen_at(path_, 0660, 8); }), "");
+    EXPECT_NE(test::refusal_of([&] { listen_at(path_, 0660, 8); }), "accepted");
     EXPECT_EQ(fs::file_size(path_), 8u);
 }
 
 TEST_F(Socket, SaysWhatToDoAboutAPathThatCannotBe) {
-    EXPECT_NE(error_of([&] { listen_at(folder_ / "none" / "x.sock", 0660, 8); }).find("create it"),
+    EXPECT_NE(test::refusal_of([&] { listen_at(folder_ / "none" / "x.sock", 0660, 8); }).find("create it"),
               std::string::npos);
-    EXPECT_NE(error_of([&] { listen_at(folder_ / std::string(200, 'x'), 0660, 8); }).find("107"),
+    EXPECT_NE(test::refusal_of([&] { listen_at(folder_ / std::string(200, 'x'), 0660, 8); }).find("107"),
               std::string::npos);
-    EXPECT_NE(error_of([&] { connect_to(path_); }).find("running?"), std::string::npos);
+    EXPECT_NE(test::refusal_of([&] { connect_to(path_); }).find("running?"), std::string::npos);
 }
 
 }  // namespace

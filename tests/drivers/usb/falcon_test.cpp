@@ -2,6 +2,7 @@
 
 #include <sys/syscall.h>
 
+#include "../../refusal.hpp"
 #include "falcon_bench.hpp"
 
 namespace knurl::drivers {
@@ -10,12 +11,7 @@ namespace {
 using namespace usb_emulator;
 
 std::string error_of(const std::string& address) {
-    try {
-        open_device(address);
-    } catch (const std::exception& error) {
-        return error.what();
-    }
-    return "(no error)";
+    return test::refusal_of([&] { open_device(address); });
 }
 
 class FalconOnABus : public testing::Test {

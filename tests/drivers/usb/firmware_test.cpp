@@ -4,6 +4,7 @@
 
 #include <random>
 
+#include "../../refusal.hpp"
 #include "falcon/packet.hpp"
 #include "falcon_bench.hpp"
 
@@ -15,12 +16,7 @@ using usb_emulator::TemporaryFile;
 using Bytes = std::vector<std::uint8_t>;
 
 std::string error_of(const Bytes& bytes) {
-    try {
-        parse_firmware(bytes, "f.bin");
-    } catch (const std::exception& error) {
-        return error.what();
-    }
-    return "(no error)";
+    return test::refusal_of([&] { parse_firmware(bytes, "f.bin"); });
 }
 
 TEST(FalconFirmware, IsABootStream) {

@@ -2,22 +2,37 @@
 
 namespace exact {
 
+/// Evenly from the spread, by the numbers of SplitMix64 (Steele, Lea & Flood, OOPSLA 2014).
+void Friction::draw_next(State& s, const Law& law) {
+    std::uint64_t z = law.seed + ++s.draws * 0x9e3779b97f4a7c15u;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    const Real even = static_cast<Real>((z ^ (z >> 31)) >> 11) / 9007199254740992.0L;  // 2^53
+    s.next = std::max(Real(0), law.d_mean + law.d_spread * (even - 0.5L));
+}
+
 V Friction::act(State& s, const Law& law, const Sliding& surface, const V& x, Real normal_force) {
     if (!s.held) {
-        s = {};
-        s.held = true;
-        s.anchor = s.snag = x;
+        s = {.held = true, .anchor = x, .snag = x, .draws = s.draws};
         return {};
     }
     const V stretch = surface.along(s.anchor - x);
+    s.anchor = x + stretch;  // what the surface has turned away from does not come back
     const Real length_ = length(stretch);
     if (law.kind == Law::Kind::paper) {
-        if (!s.sliding && length_ > law.d_snap) s.sliding = true, s.farthest = 0;
+        if (!s.sliding && length_ > law.d_snap) {
+            if (law.d_mean == 0) {  // snags everywhere: it is dragged by the longest stretch
+                s.anchor = x + law.d_snap / length_ * stretch;
+            } else {
+                s.sliding = true, s.farthest = 0;
+                draw_next(s, law);
+            }
+        }
         if (s.sliding) {
             s.farthest = std::max(s.farthest, length_);
-            if (length_ >= law.d_mean && length_ > 0) {
-                s.anchor += -law.d_mean / length_ *
-                            stretch;  // the tip has come past the next snag: it holds from there
+            if (length_ >= s.next && length_ > 0) {
+                s.anchor +=
+                    -s.next / length_ * stretch;  // the tip has come past the next snag: it holds from there
                 s.sliding = false;
             } else if (s.farthest - length_ > 2 * law.resolution) {
                 s.anchor = x;
@@ -38,15 +53,16 @@ V Friction::act(State& s, const Law& law, const Sliding& surface, const V& x, Re
     if (!s.sliding && force > law.static_ * normal_force) {
         s.sliding = true;
         s.snag = s.anchor;
+        draw_next(s, law);
     }
     const Real most = law.dynamic * normal_force;
-    if (!s.sliding || force <= most) return law.stiffness * stretch;
-    // The anchor follows straight on, until it meets the next snag: at a distance d_mean from where the last
-    // one let go.
-    const V kept = most / force * stretch, way = kept - stretch;
+    if (!s.sliding) return law.stiffness * stretch;
+    // The anchor follows straight on, until it meets the next snag: at that distance from where the last one
+    // let go.
+    const V kept = force > most ? most / force * stretch : stretch, way = kept - stretch;
     if (law.kind == Law::Kind::snag) {
         const V start = surface.along(s.anchor - s.snag);
-        const Real a = dot(way, way), b = dot(start, way), c = dot(start, start) - law.d_mean * law.d_mean;
+        const Real a = dot(way, way), b = dot(start, way), c = dot(start, start) - s.next * s.next;
         if (c + 2 * b + a >= 0) {
             const Real share = c >= 0 ? 0 : (-b + std::sqrt(b * b - a * c)) / a;
             const V met = stretch + share * way;
@@ -56,6 +72,7 @@ V Friction::act(State& s, const Law& law, const Sliding& surface, const V& x, Re
                 return law.stiffness * met;
             }
             s.anchor = s.snag = x + kept;  // it does not hold: passed, with all others on this step's way
+            draw_next(s, law);
             return law.stiffness * kept;
         }
     }

@@ -1,6 +1,8 @@
 #pragma once
-// Friction as the text has it, step by step, without randomness: elastic Coulomb, the passive snag, the
-// paper's snag, viscous. It follows one tip along a path and says the force in each step.
+// Friction as the text has it, step by step: elastic Coulomb, the passive snag, the paper's snag, viscous. It
+// follows one tip along a path and says the force in each step.
+
+#include <cstdint>
 
 #include "real.hpp"
 
@@ -11,9 +13,10 @@ struct Law {
     Real stiffness = 0;             // N/m of the anchor's spring; the paper's: 1/m, by normal force
     Real static_ = 0, dynamic = 0;  // by normal force
     Real viscous = 0;               // N s/m
-    Real d_snap = 0, d_mean = 0;    // m
-    Real max_stiffness = INFINITY;  // N/m
-    Real resolution = 0;            // m, of the encoders
+    Real d_snap = 0, d_mean = 0, d_spread = 0;  // m
+    std::uint64_t seed = 1;                     // of the distances between snags
+    Real max_stiffness = INFINITY;              // N/m
+    Real resolution = 0;                        // m, of the encoders
 };
 
 /// What the tip can slide along: across `normal`, or along `line`.
@@ -33,8 +36,10 @@ class Friction {
     struct State {
         bool held = false, sliding = false;
         V anchor, snag;
-        Real farthest = 0;
+        Real farthest = 0, next = 0;  // m; `next`: from the last snag to the one that catches the tip
+        std::uint64_t draws = 0;
     };
+    static void draw_next(State& s, const Law& law);
     static V act(State& s, const Law& law, const Sliding& surface, const V& x, Real normal_force);
     State state_;
 };

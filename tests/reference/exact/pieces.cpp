@@ -40,12 +40,12 @@ Piece half_plane(const V& normal, Real offset, const V& edge, Real edge_offset, 
     p.both_sides = both_sides;
     p.normal = unit(normal);
     const Real level = offset / length(normal);
-    p.point = level * p.normal;
     // edge . x <= edge_offset on the plane: what of the edge's direction lies along the normal is known
     // there.
     const V flat = edge - dot(edge, p.normal) * p.normal;
     p.edge = unit(flat);
     p.edge_offset = (edge_offset - dot(edge, p.normal) * level) / length(flat);
+    p.point = level * p.normal + p.edge_offset * p.edge;
     return p;
 }
 
@@ -82,41 +82,33 @@ std::optional<Foot> PieceTouch::step(const Piece& piece, const V& probe, Real ra
         doubt = std::min(doubt, std::fabs(by));
         return by >= 0;
     };
-    const Real height = dot(probe - piece.point, piece.normal);
-    decide(height);
-    const V last = last_;
-    const bool met = met_;
+    const Real height = dot(probe - piece.point, piece.normal), inside = piece.margin(probe);
+    const int side = decide(height) ? 1 : -1;
+    const V last = last_, away = probe - piece.nearest(probe);
+    const Real distance = length(away);
+    const bool over = decide(inside), met = met_;
     last_ = probe, met_ = true;
     if (touched_ != 0) {
-        if (touched_ * height >= 0) {
-            touched_ = 0;  // back above the face
-        } else if (!decide(piece.margin(probe))) {
-            touched_ = 0, slipped_ = true;
-        }
-    } else if (met) {
-        const Real before = dot(last - piece.point, piece.normal);
-        if ((before > 0) != (height > 0) && (before > 0 || piece.both_sides)) {
-            const V through = last + before / (before - height) * (probe - last);
-            if (decide(piece.margin(through)) && decide(piece.ball + radius - length(probe - piece.point))) {
-                if (decide(piece.margin(probe))) {
-                    touched_ = before > 0 ? 1 : -1, slipped_ = false;
-                } else {
-                    slipped_ = true;
-                }
-            }
+        if (side != touched_ && !over) let_go_ = LetGo::slipped;
+        if (side == touched_ || !over) touched_ = 0;
+    } else if (const Real before = dot(last - piece.point, piece.normal);
+               met && (before > 0) != (height > 0) && let_go_ != LetGo::from_behind &&
+               decide(piece.ball + radius - length(probe - piece.point))) {
+        const V through = last + before / (before - height) * (probe - last);
+        if (decide(piece.margin(through))) {
+            let_go_ = before < 0 && !piece.both_sides ? LetGo::from_behind
+                      : over                          ? LetGo::no
+                                                      : LetGo::slipped;
+            if (let_go_ == LetGo::no) touched_ = -side;
         }
     }
     if (touched_ != 0) return Foot{touched_ * piece.normal, touched_ * height - radius, INFINITY};
-    // What a thick probe feels of a piece with one side once it has been behind it is not said here.
-    if (!piece.both_sides && height < 0 && radius > 0) doubt = 0;
-    const V away = probe - piece.nearest(probe);
-    const Real distance = length(away);
-    decide(distance - radius);
-    if (slipped_) {
-        if (distance < radius) return std::nullopt;
-        slipped_ = false;
+    if (side < 0 && over && !piece.both_sides) {
+        let_go_ = LetGo::from_behind;
+    } else if (decide(distance - radius)) {
+        let_go_ = LetGo::no;
     }
-    if (!piece.both_sides && height < 0) return std::nullopt;
+    if (let_go_ != LetGo::no) return std::nullopt;
     return Foot{unit(away), distance - radius, distance};
 }
 

@@ -10,7 +10,7 @@ namespace exact {
 
 /// A convex polygon, or a half-plane (one edge). It lies in normal . (x - point) = 0.
 struct Piece {
-    V point, normal;
+    V point, normal;         // of a half-plane the point lies on its edge
     std::vector<V> corners;  // in order, counter-clockwise about the normal; none: a half-plane
     V edge;                  // of a half-plane: unit, in the plane, out of the face ...
     Real edge_offset = 0;    // ... whose points have edge . x <= edge_offset
@@ -31,10 +31,14 @@ class PieceTouch {
     std::optional<Foot> step(const Piece& piece, const V& probe, Real radius);
     Real doubt = INFINITY;  // m, by how little the last step's decisions were made
 
+    int touched() const { return touched_; }  // 1: held in front, -1: behind, 0: not
+
   private:
-    bool met_ = false, slipped_ = false;
+    enum class LetGo { no, slipped, from_behind };  // until the probe is clear of it
+    bool met_ = false;
     V last_;
     int touched_ = 0;
+    LetGo let_go_ = LetGo::no;
 };
 
 struct Box {
