@@ -1,10 +1,14 @@
+#include <array>
 #include <string>
 #include <utility>
 
 #include <boost/interprocess/mapped_region.hpp>
 #include <fcntl.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/uio.h>
+#include <unistd.h>
 
 #include <knurl/shm/segment.hpp>
 
@@ -17,6 +21,8 @@ namespace ipc = boost::interprocess;
 namespace {
 
 constexpr int size_seals = F_SEAL_SHRINK | F_SEAL_GROW;
+// The smallest sizes of all processors. Where they are larger, some work is done in vain.
+constexpr std::size_t page_bytes = 4096, huge_page_bytes = std::size_t{2} << 20;
 
 /// The interface that mapped_region requires.
 struct Mappable {
@@ -35,11 +41,13 @@ struct Segment::Mapping {
 Segment::Segment() noexcept = default;
 Segment::Segment(Segment&& other) noexcept
     : fd_(std::move(other.fd_)),
+      held_pages_(std::move(other.held_pages_)),
       mapping_(std::move(other.mapping_)),
       data_(std::exchange(other.data_, nullptr)),
       size_(std::exchange(other.size_, 0)) {}
 Segment& Segment::operator=(Segment&& other) noexcept {
     fd_ = std::move(other.fd_);
+    held_pages_ = std::move(other.held_pages_);
     mapping_ = std::move(other.mapping_);
     data_ = std::exchange(other.data_, nullptr);
     size_ = std::exchange(other.size_, 0);
@@ -122,6 +130,62 @@ UniqueFd Segment::seal(Segment written) {
 void Segment::seal_against_new_writers() {
     if (::fcntl(fd_.get(), F_ADD_SEALS, F_SEAL_FUTURE_WRITE) != 0)
         throw_errno("segment: cannot seal against new writers", "a kernel of 5.1 or later is needed");
+}
+
+bool Segment::sealed_against_new_writers() const noexcept {
+    constexpr int needed = size_seals | F_SEAL_FUTURE_WRITE;
+    const int seals = ::fcntl(fd_.get(), F_GET_SEALS);
+    return seals >= 0 && (seals & needed) == needed;
+}
+
+namespace {
+
+/// The kernel gathers pages only if nobody but the page cache and the mappings refers to any of them. A page
+/// in a pipe is referred to by the pipe.
+UniqueFd pipe_with(const std::byte* memory, std::size_t bytes) {
+    constexpr const char* remedy = "see the limits of open files and of pipes (fs.pipe-user-pages-soft)";
+    const std::size_t pages = (bytes + huge_page_bytes - 1) / huge_page_bytes;
+    std::array<int, 2> ends{};
+    if (::pipe2(ends.data(), O_CLOEXEC) != 0)
+        throw_errno("segment: cannot make a pipe to hold its pages", remedy);
+    UniqueFd out(ends[0]);
+    const UniqueFd in(ends[1]);
+    // One place of a pipe is a page of this machine.
+    const std::size_t pipe_bytes = pages * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+    if (::fcntl(in.get(), F_SETPIPE_SZ, static_cast<int>(pipe_bytes)) < 0)
+        throw_errno("segment: cannot make the pipe that holds its pages large enough", remedy);
+    for (std::size_t at = 0; at < bytes; at += huge_page_bytes) {
+        const iovec one{.iov_base = const_cast<std::byte*>(memory + at), .iov_len = 1};
+        if (::vmsplice(in.get(), &one, 1, SPLICE_F_NONBLOCK) != 1)
+            throw_errno("segment: cannot hold its pages", remedy);
+    }
+    return out;
+}
+
+/// Page faults of this thread while it reads a byte of each page. A sanitizer's own memory must not count, so
+/// the reads are not instrumented.
+__attribute__((noinline, no_sanitize("address", "thread"))) long faults_of_reading(
+    const volatile std::byte* memory, std::size_t bytes) noexcept {
+    rusage before{}, after{};
+    ::getrusage(RUSAGE_THREAD, &before);
+    for (std::size_t at = 0; at < bytes; at += page_bytes) static_cast<void>(memory[at]);
+    ::getrusage(RUSAGE_THREAD, &after);
+    return after.ru_minflt + after.ru_majflt - before.ru_minflt - before.ru_majflt;
+}
+
+}  // namespace
+
+void Segment::hold_pages() {
+    // The limit may be too low for it; lock_memory of the process says so.
+    static_cast<void>(::mlock(data_, size_));
+    held_pages_ = pipe_with(data_, size_);
+}
+
+bool Segment::has_every_page() const noexcept {
+    // The first call brings the code itself into memory.
+    const std::byte here{};
+    faults_of_reading(&here, 1);
+    return faults_of_reading(data_, size_) == 0;
 }
 
 }  // namespace knurl::shm

@@ -19,6 +19,7 @@
 #include <stdexcept>
 #include <string>
 
+#include <fcntl.h>
 #include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -141,6 +142,16 @@ struct RawClaim {
             mmap(nullptr, layout.total, PROT_READ | PROT_WRITE, MAP_SHARED, answer.fds.front().get(), 0);
         if (mapped == MAP_FAILED) throw std::runtime_error("the claim's segment cannot be mapped");
         memory = static_cast<std::byte*>(mapped);
+        // Hostile as it is, it has to seal the memory, or the servo does not serve it.
+        if (fcntl(answer.fds.front().get(), F_ADD_SEALS, F_SEAL_FUTURE_WRITE) != 0)
+            throw std::runtime_error("the claim's segment cannot be sealed");
+        protocol::Claimed granted;
+        std::memcpy(static_cast<void*>(&granted), buffer.data(), sizeof granted);
+        protocol::Mapped says_so;
+        says_so.key = granted.key;
+        ask(says_so);
+        if (knurl::shm::receive_message(socket, buffer).bytes != sizeof(protocol::Serving))
+            throw std::runtime_error("the claim is not served");
     }
     template <class Message>
     void ask(const Message& message) {

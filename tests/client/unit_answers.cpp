@@ -91,6 +91,8 @@ class PlayedServo {
         const protocol::Claimed claimed{.capacity = capacity_, .frame = {}, .limits = {}};
         const shm::UniqueFd event = shm::make_event();
         shm::send_message(peer, bytes_of(claimed), std::array{claim_.fd(), event.get()});
+        shm::receive_message(peer, buffer);  // Mapped
+        shm::send_message(peer, bytes_of(protocol::Serving{}));
         while (!shm::receive_message(peer, buffer).closed) {
         }
     }

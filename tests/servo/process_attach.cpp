@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <limits>
+#include <utility>
 
 #include <gtest/gtest.h>
 #include <sys/mman.h>
@@ -13,10 +14,6 @@
 
 namespace knurl::test {
 namespace {
-
-std::string text(const Answer& answer) {
-    return answer.refused ? answer.refused->text : "not refused";
-}
 
 bool contains(const std::string& whole, const std::string& part) {
     return whole.find(part) != std::string::npos;
@@ -253,13 +250,13 @@ TEST(Attach, TheFrameAndLimitsThatWereGrantedAreTold) {
     RawClient client(home);
     const Answer welcome = client.greet();
     const protocol::DeviceInfo info = DeviceView(welcome.fds.at(0).get()).info();
-    const Answer answer =
+    Answer answer =
         client.claim({.workspace_radius = 2 * info.workspace_radius, .workspace_centre = {1, 2, 3}});
     ASSERT_TRUE(answer.claimed);
     EXPECT_NEAR(answer.claimed->frame.scale, 2, 1e-12);
     EXPECT_EQ(answer.claimed->frame.world_centre.z, 3);
     EXPECT_GT(answer.claimed->limits.max_stiffness, 0);
-    const HeldClaim claim(answer);  // the segment is as large as both sides compute
+    const HeldClaim claim(std::move(answer));  // the segment is as large as both sides compute
     EXPECT_EQ(claim.segment.size(), protocol::claim_layout({}).total);
 }
 

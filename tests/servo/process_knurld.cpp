@@ -156,6 +156,10 @@ Knurld::~Knurld() {
     if (watch) readable(watch.get(), patience_ms);
 }
 
+std::string text(const Answer& answer) {
+    return answer.refused ? answer.refused->text : "not refused";
+}
+
 RawClient::RawClient(const Home& home, const std::string& servo)
     : socket_(shm::connect_to(home.socket(servo))) {}
 
@@ -190,6 +194,9 @@ Answer RawClient::answer() {
         case protocol::MessageType::claimed:
             take(answer.claimed);
             break;
+        case protocol::MessageType::serving:
+            take(answer.serving);
+            break;
         case protocol::MessageType::recording:
             take(answer.recording);
             break;
@@ -212,9 +219,33 @@ Answer RawClient::greet(const std::string& name) {
     return answer();
 }
 
-Answer RawClient::claim(const protocol::ClaimRequest& request) {
+Answer RawClient::grant(const protocol::ClaimRequest& request) {
     send(request);
     return answer();
+}
+
+Answer RawClient::say_mapped(const protocol::Claimed& granted) {
+    protocol::Mapped mapped;
+    mapped.key = granted.key;
+    send(mapped);
+    return answer();
+}
+
+Answer RawClient::claim(const protocol::ClaimRequest& request) {
+    Answer granted = grant(request);
+    if (!granted.claimed) return granted;
+    granted.memory = map_claim(granted);
+    granted.memory.seal_against_new_writers();
+    Answer served = say_mapped(*granted.claimed);
+    if (served.refused) return served;
+    if (!served.serving) throw std::runtime_error("an answer to Mapped that is none");
+    return granted;
+}
+
+shm::Segment map_claim(const Answer& granted) {
+    return shm::Segment::open(granted.fds.at(0).get(),
+                              protocol::claim_layout(granted.claimed.value().capacity).total,
+                              shm::Segment::Access::read_write);
 }
 
 DeviceView::DeviceView(int fd)
@@ -250,10 +281,9 @@ std::uint32_t DeviceView::held_rows() const {
     return held;
 }
 
-HeldClaim::HeldClaim(const Answer& answer)
+HeldClaim::HeldClaim(Answer answer)
     : terms(answer.claimed.value()),
-      segment(shm::Segment::open(answer.fds.at(0).get(), protocol::claim_layout(terms.capacity).total,
-                                 shm::Segment::Access::read_write)),
+      segment(std::move(answer.memory)),
       commands(segment.data() + protocol::claim_layout(terms.capacity).commands,
                protocol::claim_layout(terms.capacity).command_cells),
       sent(reinterpret_cast<shm::WaiterFlag*>(segment.data() +

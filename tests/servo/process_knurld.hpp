@@ -84,10 +84,15 @@ struct Answer {
     std::optional<protocol::Welcome> welcome;
     std::optional<protocol::Refused> refused;
     std::optional<protocol::Claimed> claimed;
+    std::optional<protocol::Serving> serving;
     std::optional<protocol::Recording> recording;
     std::vector<shm::UniqueFd> fds;
+    shm::Segment memory;  // of a claim that is served
     bool hung_up = false;
 };
+
+/// What was refused, and why.
+std::string text(const Answer& answer);
 
 class RawClient {
   public:
@@ -103,6 +108,11 @@ class RawClient {
     void say_hello(const std::string& name = "a test");
     /// A correct Hello, and its answer.
     Answer greet(const std::string& name = "a test");
+    /// The claim is granted; nothing is mapped yet.
+    Answer grant(const protocol::ClaimRequest& request);
+    /// Says that the claim is mapped, and returns the answer.
+    Answer say_mapped(const protocol::Claimed& granted);
+    /// The claim is granted, mapped and served, or refused.
     Answer claim(const protocol::ClaimRequest& request);
     void hang_up() { socket_.reset(); }
     int fd() const { return socket_.get(); }
@@ -110,6 +120,9 @@ class RawClient {
   private:
     shm::UniqueFd socket_;
 };
+
+/// Maps the segment of a granted claim for writing.
+shm::Segment map_claim(const Answer& granted);
 
 /// The report memory of a device as a client maps it.
 class DeviceView {
@@ -127,7 +140,7 @@ class DeviceView {
 
 /// A claim with its command ring.
 struct HeldClaim {
-    HeldClaim(const Answer& answer);
+    HeldClaim(Answer answer);
     void arm();
 
     protocol::Claimed terms;

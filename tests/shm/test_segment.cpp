@@ -1,3 +1,5 @@
+#include <cerrno>
+#include <cstdint>
 #include <cstring>
 #include <fstream>
 #include <sstream>
@@ -9,6 +11,7 @@
 
 #include <knurl/shm/segment.hpp>
 
+#include "../huge_view.hpp"
 #include "../refusal.hpp"
 
 namespace knurl::shm {
@@ -69,6 +72,92 @@ TEST(SealedSegment, ClientsCanMapItReadOnlyAndInNoOtherWay) {
     // The servo's own mapping, made before, still writes.
     servo.data()[7] = std::byte{42};
     EXPECT_EQ(client.data()[7], std::byte{42});
+}
+
+/// Takes pages of a file away, by each way that there is. Each gives 0 or its errno.
+int punched(int fd, std::size_t bytes) {
+    const int how = FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE;
+    return ::fallocate(fd, how, 0, static_cast<off_t>(bytes)) == 0 ? 0 : errno;
+}
+int removed(Segment& mapped) {
+    return ::madvise(mapped.data(), mapped.size(), MADV_REMOVE) == 0 ? 0 : errno;
+}
+
+TEST(SegmentOfAWriter, NobodyTakesAPageAwayOnceItIsSealed) {
+    Segment servo = Segment::create("knurl-test", 40 * 4096);
+    Segment client = Segment::open(servo.fd(), servo.size(), Segment::Access::read_write);
+    EXPECT_FALSE(servo.sealed_against_new_writers());
+    client.seal_against_new_writers();
+    EXPECT_TRUE(servo.sealed_against_new_writers()) << "the seal is the file's, whoever set it";
+    const UniqueFd again(
+        ::open(("/proc/self/fd/" + std::to_string(client.fd())).c_str(), O_RDWR | O_CLOEXEC));
+    for (const int fd : {client.fd(), servo.fd(), again ? again.get() : client.fd()})
+        EXPECT_EQ(punched(fd, servo.size()), EPERM);
+    EXPECT_EQ(removed(client), EPERM);
+    EXPECT_TRUE(servo.has_every_page());
+    client.data()[4096] = std::byte{42};
+    EXPECT_EQ(servo.data()[4096], std::byte{42}) << "the client still writes";
+}
+
+TEST(SegmentOfAReader, NobodyTakesAPageAway) {
+    Segment servo = Segment::create("knurl-test", 40 * 4096);
+    servo.seal_against_new_writers();
+    Segment client = Segment::open(servo.fd(), servo.size(), Segment::Access::read_only);
+    EXPECT_EQ(punched(client.fd(), client.size()), EPERM);
+    EXPECT_NE(removed(client), 0);
+    EXPECT_TRUE(servo.has_every_page());
+}
+
+TEST(Segment, IsNotSealedByOtherSeals) {
+    Segment segment = Segment::create("knurl-test", 4096);
+    ASSERT_EQ(::fcntl(segment.fd(), F_ADD_SEALS, F_SEAL_SEAL), 0);
+    EXPECT_FALSE(segment.sealed_against_new_writers());
+    EXPECT_NE(error_of([&] { segment.seal_against_new_writers(); }), "");
+}
+
+TEST(Segment, KnowsThatAPageWasTakenAwayThoughItIsBack) {
+    Segment servo = Segment::create("knurl-test", 40 * 4096);
+    Segment client = Segment::open(servo.fd(), servo.size(), Segment::Access::read_write);
+    EXPECT_TRUE(servo.has_every_page());
+    ASSERT_EQ(::fallocate(client.fd(), FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, 7 * 4096, 4096), 0);
+    EXPECT_FALSE(servo.has_every_page());
+    EXPECT_TRUE(servo.has_every_page()) << "to look brings it back";
+    ASSERT_EQ(removed(client), 0);
+    for (std::size_t at = 0; at < client.size(); at += 4096) client.data()[at] = std::byte{1};
+    EXPECT_FALSE(servo.has_every_page());
+}
+
+TEST(Segment, WhoseReaderGathersItIntoHugePagesKeepsItsPages) {
+    for (const std::size_t pages : {30u, 512u, 1300u}) {
+        SCOPED_TRACE(pages);
+        Segment loose = Segment::create("knurl-test", pages * 4096),
+                held = Segment::create("knurl-test", pages * 4096);
+        loose.seal_against_new_writers();
+        held.seal_against_new_writers();
+        held.hold_pages();
+        test::HugeView of_loose(loose.fd(), loose.size()), of_held(held.fd(), held.size());
+        ASSERT_TRUE(of_loose.valid() && of_held.valid());
+        if (const int error = of_loose.gather(); error != 0)
+            GTEST_SKIP() << "this kernel does not gather pages on request: " << std::strerror(error);
+        EXPECT_FALSE(loose.has_every_page()) << "else this test proves nothing";
+        EXPECT_NE(of_held.gather(), 0);
+        EXPECT_TRUE(held.has_every_page());
+    }
+}
+
+TEST(Segment, HoldsItsPagesNoLongerThanItLives) {
+    Segment held = Segment::create("knurl-test", 30 * 4096);
+    held.hold_pages();
+    Segment moved = std::move(held);
+    const UniqueFd file(::dup(moved.fd()));
+    test::HugeView view(file.get(), moved.size());
+    const int while_it_lives = view.gather();
+    EXPECT_NE(while_it_lives, 0) << "a move lets go of nothing";
+    moved = Segment();
+    if (const int error = view.gather(); error == EINVAL)
+        GTEST_SKIP() << "this kernel does not gather pages on request";
+    else
+        EXPECT_EQ(error, 0);
 }
 
 TEST(SegmentOpen, RefusesAnotherSizeAndSaysBoth) {

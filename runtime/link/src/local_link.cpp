@@ -47,19 +47,14 @@ class LocalLink final : public Link {
         request.device = device;
         if (request.observe == protocol::observe_only)
             request.capacity = {.representations = 0, .batch_bytes = 0};
-        with_.send(request);
-        auto [claimed, fds] = with_.receive<protocol::Claimed>(MessageType::claimed, Error::Kind::refused);
-        if (fds.size() != 2) with_.nonsense();
-        // The layout follows from what was granted; the size of the memory is checked against it.
-        auto segment = std::make_shared<shm::Segment>(open(
-            fds[0].get(), protocol::claim_layout(claimed.capacity).total, shm::Segment::Access::read_write));
+        auto [claimed, segment, event] = served(request);
         Attachment result{.terms = claimed,
                           .device = devices_[device],
                           .device_index = device,
                           .reports = {},
                           .channel = {},
                           .assets = {}};
-        result.reports = local_reports(segments_[device], segment, claimed.capacity, std::move(fds[1]));
+        result.reports = local_reports(segments_[device], segment, claimed.capacity, std::move(event));
         if (request.observe != protocol::observe_only)
             result.channel = local_channel(segment, claimed.capacity);
         if (request.observe == 0) {
@@ -100,6 +95,55 @@ class LocalLink final : public Link {
                 Error::Kind::incompatible,
                 detail::format("servo '{}': {}; build the application and the servo from the same version",
                                with_.servo(), reason.what()));
+        }
+    }
+
+    struct Granted {
+        protocol::Claimed terms;
+        std::shared_ptr<shm::Segment> segment;
+        shm::UniqueFd event;
+    };
+
+    /// A claim that is mapped on both sides, and that the servo serves.
+    Granted served(const protocol::ClaimRequest& request) {
+        // The kernel itself may take a page away for a moment (swapping, NUMA balancing), which the servo
+        // cannot tell from an attack.
+        constexpr int attempts = 3;
+        for (int attempt = 1;; ++attempt) {
+            Granted granted = grant(request);
+            protocol::Mapped mapped;
+            mapped.key = granted.terms.key;
+            with_.send(mapped);
+            try {
+                with_.receive<protocol::Serving>(MessageType::serving, Error::Kind::refused);
+                return granted;
+            } catch (const Error& error) {
+                if (error.kind != Error::Kind::refused || attempt == attempts) throw;
+            }
+        }
+    }
+
+    Granted grant(const protocol::ClaimRequest& request) {
+        with_.send(request);
+        auto [claimed, fds] = with_.receive<protocol::Claimed>(MessageType::claimed, Error::Kind::refused);
+        if (fds.size() != 2) with_.nonsense();
+        // The layout follows from what was granted; the size of the memory is checked against it.
+        Granted granted{.terms = claimed,
+                        .segment = std::make_shared<shm::Segment>(
+                            open(fds[0].get(), protocol::claim_layout(claimed.capacity).total,
+                                 shm::Segment::Access::read_write)),
+                        .event = std::move(fds[1])};
+        seal(*granted.segment);
+        return granted;
+    }
+
+    /// The servo serves nothing whose pages could still be taken away.
+    void seal(shm::Segment& mapped) const {
+        try {
+            mapped.seal_against_new_writers();
+        } catch (const std::exception& reason) {
+            throw Error(Error::Kind::exhausted,
+                        detail::format("servo '{}': {}", with_.servo(), reason.what()));
         }
     }
 

@@ -43,7 +43,12 @@ struct Connection {
     struct Holding {
         std::size_t device;
         std::uint32_t row;
+        std::uint64_t key;
+        // free: the claim was taken back, and its client told so, before its Mapped came
+        enum class Stage : std::uint8_t { granted, served, free } stage = Stage::granted;
+        SteadyClock::time_point since;
     };
+    using Stage = Holding::Stage;
     shm::UniqueFd socket;
     SteadyClock::time_point since;
     bool greeted = false;
@@ -66,6 +71,7 @@ struct Broker::Impl {
     std::unordered_map<std::uint64_t, Connection> connections;
     std::uint64_t next_id = first_connection;
     std::size_t half_open = 0;
+    std::size_t unmapped = 0;  // claims that were granted and not mapped yet
     shm::UniqueFd spare = spare_descriptor();
     bool listening_now = false;
     SteadyClock::time_point pause_until{};
@@ -161,11 +167,17 @@ struct Broker::Impl {
         return shm::send_message(to.socket, bytes_of(message));
     }
 
+    void take_back(Connection::Holding& holding) {
+        if (holding.stage == Connection::Stage::free) return;
+        if (holding.stage == Connection::Stage::granted) --unmapped;
+        holding.stage = Connection::Stage::free;
+        tables[holding.device]->let_go(holding.row);
+    }
+
     void close(std::uint64_t id) {
         const auto found = connections.find(id);
         if (found == connections.end()) return;
-        for (const Connection::Holding& holding : found->second.holdings)
-            tables[holding.device]->let_go(holding.row);
+        for (Connection::Holding& holding : found->second.holdings) take_back(holding);
         const bool built_for = assets.cancel(id, tables);
         if (const auto device = found->second.recording) recordings[*device].end(tables[*device]->device());
         if (!found->second.greeted) --half_open;
@@ -220,6 +232,8 @@ struct Broker::Impl {
         switch (*type) {
             case static_cast<std::uint32_t>(MessageType::claim):
                 return claim(connection, read_message<protocol::ClaimRequest>(buffer, bytes, "claim"));
+            case static_cast<std::uint32_t>(MessageType::mapped):
+                return serve_claim(connection, read_message<protocol::Mapped>(buffer, bytes, "claim"));
             case static_cast<std::uint32_t>(MessageType::release):
                 release(connection, read_message<protocol::Release>(buffer, bytes, "release"));
                 return true;
@@ -268,12 +282,14 @@ struct Broker::Impl {
         return shm::send_message(connection.socket, bytes_of(welcome), segments);
     }
 
+    std::string is_ending() const {
+        return fmt::format("servo \"{}\" is ending; start it again", options.servo_name);
+    }
+
     bool claim(Connection& connection, const protocol::ClaimRequest& request) {
         // A refused claim leaves the connection open: the client may ask for another device.
         try {
-            if (ending)
-                throw RequestRefused(
-                    fmt::format("servo \"{}\" is ending; start it again", options.servo_name));
+            if (ending) throw RequestRefused(is_ending());
             if (request.device >= tables.size()) {
                 throw RequestRefused(fmt::format("claim: device {} of {}", request.device, tables.size()));
             }
@@ -283,7 +299,11 @@ struct Broker::Impl {
             }
             ClaimTable& table = *tables[request.device];
             const Grant grant = table.grant(request, connection.peer);
-            connection.holdings.push_back({request.device, grant.message.slot});
+            connection.holdings.push_back({.device = request.device,
+                                           .row = grant.message.slot,
+                                           .key = grant.message.key,
+                                           .since = SteadyClock::now()});
+            ++unmapped;
             const std::array fds{grant.segment_fd, grant.event_fd};
             return shm::send_message(connection.socket, bytes_of(grant.message), fds);
         } catch (const RequestRefused& refusal) {
@@ -291,15 +311,63 @@ struct Broker::Impl {
         }
     }
 
+    /// The client has mapped a claim. False: the peer does not read its replies.
+    bool serve_claim(Connection& connection, const protocol::Mapped& mapped) {
+        const auto held = std::find_if(connection.holdings.begin(), connection.holdings.end(),
+                                       [&](const Connection::Holding& h) {
+                                           return h.key == mapped.key && h.stage != Connection::Stage::served;
+                                       });
+        if (held == connection.holdings.end())
+            throw RequestRefused("claim: this connection has no claim of that key to map");
+        if (held->stage == Connection::Stage::free) {  // the client has its answer: it took too long
+            connection.holdings.erase(held);
+            return true;
+        }
+        try {
+            if (ending) {
+                take_back(*held);
+                throw RequestRefused(is_ending());
+            }
+            --unmapped;
+            tables[held->device]->serve(held->row);
+        } catch (const RequestRefused& refusal) {
+            connection.holdings.erase(held);
+            return refuse(connection, refusal);
+        }
+        held->stage = Connection::Stage::served;
+        protocol::Serving serving;
+        serving.key = held->key;
+        return shm::send_message(connection.socket, bytes_of(serving));
+    }
+
     void release(Connection& connection, const protocol::Release& release) {
         const auto held = std::find_if(connection.holdings.begin(), connection.holdings.end(),
                                        [&](const Connection::Holding& h) {
-                                           return h.device == release.device && h.row == release.slot;
+                                           return h.device == release.device && h.row == release.slot &&
+                                                  h.stage != Connection::Stage::free;
                                        });
         if (held == connection.holdings.end())
             throw RequestRefused("release: this connection does not hold that claim");
-        tables[held->device]->let_go(held->row);
+        take_back(*held);
         connection.holdings.erase(held);
+    }
+
+    void take_back_unmapped() {
+        if (unmapped == 0) return;
+        const auto latest = SteadyClock::now() - std::chrono::duration<double>(protocol::mapping_seconds);
+        std::vector<std::uint64_t> deaf;
+        for (auto& [id, connection] : connections) {
+            for (Connection::Holding& holding : connection.holdings) {
+                if (holding.stage != Connection::Stage::granted || holding.since >= latest) continue;
+                take_back(holding);
+                const RequestRefused why(
+                    fmt::format("claim of device \"{}\": its memory was not mapped within {:g} s; claim it "
+                                "again",
+                                tables[holding.device]->device().name, protocol::mapping_seconds));
+                if (!refuse(connection, why)) deaf.push_back(id);
+            }
+        }
+        for (const std::uint64_t id : deaf) close(id);
     }
 
     void offer(std::uint64_t id, const Connection& connection, const protocol::AssetOffer& message,
@@ -425,7 +493,7 @@ struct Broker::Impl {
         };
         if (ending) at_most(ramp_interval);
         if (collecting) at_most(collect_interval);
-        if (half_open > 0 || pause_until > SteadyClock::now()) at_most(accept_pause);
+        if (half_open > 0 || unmapped > 0 || pause_until > SteadyClock::now()) at_most(accept_pause);
         return static_cast<int>(patience.count());
     }
 };
@@ -447,6 +515,7 @@ Broker::End Broker::run() {
         bool collecting = false;
         for (const auto& table : self.tables) collecting |= table->collect();
         self.drop_silent_callers();
+        self.take_back_unmapped();
         self.update_listening();
         if (self.ending && (*self.ending == End::at_once || self.at_rest())) return *self.ending;
 

@@ -77,7 +77,7 @@ void ClaimTable::require_sane(const protocol::ClaimRequest& request) const {
 void ClaimTable::require_free_for(const protocol::ClaimRequest& request) const {
     if (request.observe != 0) return;
     for (const Row& row : rows_) {
-        if (row.stage != Stage::held || row.observer) continue;
+        if ((row.stage != Stage::held && row.stage != Stage::granted) || row.observer) continue;
         if (row.shared && request.shared != 0) continue;
         throw RequestRefused(
             fmt::format("device \"{}\" is held by pid {} ({}); {}", device_.name, row.peer.pid, row.peer.name,
@@ -115,6 +115,7 @@ Grant ClaimTable::grant(const protocol::ClaimRequest& request, const Peer& peer)
     Row fresh;  // enters the table only when it is complete
     try {
         fresh.segment = shm::Segment::create("knurl-claim", protocol::claim_layout(terms.capacity).total);
+        fresh.segment.hold_pages();
         fresh.event = shm::make_event();
         fresh.observer = observer;
         fresh.shared = terms.shared;
@@ -124,7 +125,6 @@ Grant ClaimTable::grant(const protocol::ClaimRequest& request, const Peer& peer)
         if (getrandom(&fresh.key, sizeof fresh.key, 0) != sizeof fresh.key)
             throw std::runtime_error("no random numbers");
         fresh.claim = std::make_unique<Claim>(terms, fresh.segment.data(), &shared_row(index));
-        waker_.add({.flag = flag_in(fresh.segment), .event_fd = fresh.event.get()});
     } catch (const std::exception& error) {
         throw RequestRefused(
             fmt::format("claim of device \"{}\": the servo has no memory or descriptors left ({})",
@@ -132,12 +132,7 @@ Grant ClaimTable::grant(const protocol::ClaimRequest& request, const Peer& peer)
     }
     *found = std::move(fresh);
     identify(index, peer, observer ? role_observer : role_claim, terms.shared);
-    if (!device_.servo.adopt(found->claim.get())) {
-        clear(index);
-        throw RequestRefused(
-            fmt::format("device \"{}\": the servo is busy with other claims; try again", device_.name));
-    }
-    found->stage = Stage::held;
+    found->stage = Stage::granted;
 
     Grant grant;
     grant.message.slot = index;
@@ -150,10 +145,30 @@ Grant ClaimTable::grant(const protocol::ClaimRequest& request, const Peer& peer)
     return grant;
 }
 
+void ClaimTable::serve(std::uint32_t index) {
+    Row& row = rows_[index];
+    const auto refuse = [&](const char* why) {
+        clear(index);
+        throw RequestRefused(fmt::format("claim of device \"{}\": {}", device_.name, why));
+    };
+    // First the seal: behind it no page can be taken away, so the look at the pages holds for good.
+    if (!row.segment.sealed_against_new_writers())
+        refuse("its memory is not sealed (F_SEAL_FUTURE_WRITE); map it, then seal it");
+    if (!row.segment.has_every_page())
+        refuse("a page of its memory was taken away before it was sealed; claim it again");
+    try {
+        waker_.add({.flag = flag_in(row.segment), .event_fd = row.event.get()});
+    } catch (const std::exception& error) {
+        refuse(error.what());
+    }
+    if (!device_.servo.adopt(row.claim.get())) refuse("the servo is busy with other claims; try again");
+    row.stage = Stage::held;
+}
+
 void ClaimTable::let_go(std::uint32_t index) noexcept {
     if (index >= rows_.size()) return;
     Row& row = rows_[index];
-    if (row.stage == Stage::returned) clear(index);
+    if (row.stage == Stage::returned || row.stage == Stage::granted) clear(index);
     if (row.stage != Stage::held) return;
     row.stage = device_.servo.drop(row.claim.get()) ? Stage::leaving : Stage::dropping;
     ++on_their_way_;

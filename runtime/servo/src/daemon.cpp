@@ -60,7 +60,7 @@ shm::UniqueFd take_signals() {
     return fd;
 }
 
-/// Each client costs three descriptors, and the usual soft limit is 1024.
+/// Each client costs four descriptors, and the usual soft limit is 1024.
 void raise_descriptor_limit() {
     rlimit limit{};
     if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
@@ -169,6 +169,7 @@ struct Station {
         info.started_ns = now.tv_sec * Nanoseconds{1'000'000'000} + now.tv_nsec;
         shm::broadcast_init(segment.data() + layout.reports);
         segment.seal_against_new_writers();
+        segment.hold_pages();
     }
 
     shm::Counters counters() {

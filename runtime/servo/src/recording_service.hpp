@@ -23,6 +23,7 @@ class RecordingService {
                 memory_ = shm::Segment::create("knurl-input-log", input_log_bytes);
                 input_log_ = std::make_unique<InputLog>(memory_.data(), device.input_log);
                 memory_.seal_against_new_writers();
+                memory_.hold_pages();
             }
         } catch (const std::exception& error) {
             throw RequestRefused(

@@ -20,6 +20,15 @@ constexpr std::size_t segment_colour(std::size_t n) {
 /// A mapped piece of memory that two processes share: an anonymous file (memfd), so nothing stays behind in
 /// the file system after a crash. Its size is sealed: nobody can shrink it under a reader (which would be a
 /// SIGBUS).
+///
+/// A real-time thread may read it once no other process can take a page away, which would be a page fault:
+///
+///   the other process only reads:  create, seal_against_new_writers, hold_pages, then hand it over
+///   it writes as well:             create, hold_pages, hand it over; it maps it and seals it against new
+///                                  writers; then here sealed_against_new_writers and has_every_page
+///
+/// In the second case the other process seals, since its mapping has to exist before. Besides, sealing takes
+/// a lock of the file that the other process can hold for any time; looking at the seals takes none.
 class Segment {
   public:
     /// How a segment is mapped.
@@ -57,9 +66,23 @@ class Segment {
     Segment& operator=(Segment&&) noexcept;
     ~Segment();
 
-    /// From here on nobody can map it writable, make a read-only mapping writable, or write through the
-    /// descriptor. Mappings made before stay writable. Throws std::runtime_error.
+    /// From here on nobody can map it writable, make a read-only mapping writable, write through the
+    /// descriptor, or take pages away (fallocate, MADV_REMOVE). Mappings made before stay writable. Waits
+    /// while another process holds the file's lock. Throws std::runtime_error.
     void seal_against_new_writers();
+
+    /// Is it sealed like that? Takes no lock. True: no page has been taken away since it was sealed.
+    bool sealed_against_new_writers() const noexcept;
+
+    /// Keeps the pages where they are for as long as this object lives: locks them, where that is allowed,
+    /// and holds one page of each huge page. Else whoever maps the segment, if only for reading, could have
+    /// the kernel gather it into huge pages (MADV_COLLAPSE), which unmaps it everywhere. Throws
+    /// std::runtime_error.
+    void hold_pages();
+
+    /// Is every page present in this mapping? Reads a byte of each; those that were taken away since the
+    /// mapping was made are back afterwards.
+    bool has_every_page() const noexcept;
 
     /// Its descriptor.
     int fd() const { return fd_.get(); }
@@ -75,6 +98,7 @@ class Segment {
     Segment(UniqueFd fd, std::size_t bytes, Access access, std::string_view what);
 
     UniqueFd fd_;
+    UniqueFd held_pages_;  // a pipe with a page of each huge page in it; empty: none is held
     std::unique_ptr<Mapping> mapping_;
     std::byte* data_ = nullptr;
     std::size_t size_ = 0;

@@ -10,10 +10,17 @@
 ///                        <-      Welcome + one report segment per device, or Refused
 ///     ClaimRequest       ->
 ///                        <-      Claimed + {claim segment, event descriptor}, or Refused
+///     Mapped             ->
+///                        <-      Serving, or Refused
 ///     Release            ->      (or hang-up)
 ///     RecordRequest      ->
 ///                        <-      Recording + {input log}, or Refused; until the hang-up
 ///                        <-      RecordedAsset + {source}, for each that a claim gets
+///
+/// Between Claimed and Mapped the client maps the claim's segment writable and then seals it against new
+/// writers. Only then does the servo's thread read it: no page of a sealed segment can be taken away, so no
+/// client can make that thread wait for a page fault. A claim that is not mapped within mapping_seconds is
+/// taken back, and the client is sent Refused.
 
 #include <cstdint>
 #include <string>
@@ -56,7 +63,11 @@ enum class MessageType : std::uint32_t {
     /// AssetForget.
     asset_forget,
     /// RecordedAsset.
-    recorded_asset
+    recorded_asset,
+    /// Mapped.
+    mapped,
+    /// Serving.
+    serving
 };
 
 /// What every message begins with.
@@ -164,6 +175,25 @@ struct Claimed {
     Frame frame;
     /// The device's limits in world units.
     Limits limits;
+};
+
+/// Time from Claimed to Mapped (s).
+inline constexpr double mapping_seconds = 2;
+
+/// The client has mapped the claim's segment and sealed it against new writers (F_SEAL_FUTURE_WRITE).
+struct Mapped {
+    /// Magic number and type of the message.
+    MessageHeader header{.type = MessageType::mapped};
+    /// Claimed::key.
+    std::uint64_t key = 0;
+};
+
+/// Answer to Mapped: from now on the servo's thread reads the claim's segment.
+struct Serving {
+    /// Magic number and type of the message.
+    MessageHeader header{.type = MessageType::serving};
+    /// Claimed::key.
+    std::uint64_t key = 0;
 };
 
 /// A client gives a claim back.

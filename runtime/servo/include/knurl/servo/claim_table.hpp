@@ -72,9 +72,11 @@ struct Grant {
 
 /// Used by the broker's thread alone; the servo's thread touches only what adopt() handed to it.
 ///
-///   free --grant--> held --let_go (hang-up, release)--> leaving --the servo gives the claim back--> free
+///   free --grant--> granted --serve--> held --let_go (hang-up, release)--> leaving --the servo gives the
+///                      └── let_go: free                                              claim back--> free
 ///
-/// A leaving claim fades for 50 ms; it does not keep the next one from the device.
+/// A granted claim holds the device, but no thread of the servo touches its segment before serve(). A leaving
+/// claim fades for 50 ms; it does not keep the next one from the device.
 class ClaimTable {
   public:
     /// A table of this device, empty.
@@ -82,8 +84,12 @@ class ClaimTable {
     /// The servo must have ended: what it held is freed.
     ~ClaimTable();
 
-    /// Grants a claim. Throws RequestRefused; nothing is half-granted.
+    /// Grants a claim, which the client has to map. Throws RequestRefused; nothing is half-granted.
     Grant grant(const protocol::ClaimRequest& request, const Peer& peer);
+    /// The client has mapped and sealed the segment of this granted claim: the servo serves it from now on.
+    /// Throws RequestRefused: the segment is not sealed, a page of it was taken away, or the servo is busy;
+    /// the row is free then.
+    void serve(std::uint32_t row);
     /// The client has hung up or given the claim back. Never fails: if the servo's mailbox is full, collect()
     /// tries again.
     void let_go(std::uint32_t row) noexcept;
@@ -107,6 +113,7 @@ class ClaimTable {
   private:
     enum class Stage {
         free,
+        granted,
         held,
         // the servo let go of it by itself (it is ending); its client still thinks that it holds it
         returned,
