@@ -89,8 +89,8 @@ class PlayedServo {
         shm::send_message(peer, bytes_of(welcome), std::array{device_.fd()});
         shm::receive_message(peer, buffer);
         const protocol::Claimed claimed{.capacity = capacity_, .frame = {}, .limits = {}};
-        const shm::UniqueFd event = shm::make_event();
-        shm::send_message(peer, bytes_of(claimed), std::array{claim_.fd(), event.get()});
+        const shm::WakePair wake = shm::make_wake_pair();
+        shm::send_message(peer, bytes_of(claimed), std::array{claim_.fd(), wake.client.get()});
         shm::receive_message(peer, buffer);  // Mapped
         shm::send_message(peer, bytes_of(protocol::Serving{}));
         while (!shm::receive_message(peer, buffer).closed) {

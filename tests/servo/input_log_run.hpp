@@ -116,7 +116,7 @@ struct RecordedRun {
             terms.frame = frame_for(device.link(), request);
             terms.limits = limits_for(device.link(), options.rate, terms.frame);
             terms.shared = true;
-            terms.event_fd = 12'345;
+            terms.woken_by_servo = 12'345;
             apps.emplace_back().claim = std::make_unique<OfflineClaim>(terms);
             servo->adopt(&apps.back().claim->servo_side());
         }

@@ -1,13 +1,17 @@
 // Whatever arrives through the socket, the servo continues, nothing leaks, and the next client is served.
 
+#include <atomic>
+#include <cerrno>
 #include <random>
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 #include <knurl/shm/socket.hpp>
+#include <knurl/shm/waiter.hpp>
 
 #include "process_knurld.hpp"
 
@@ -135,6 +139,39 @@ TEST(Hostile, AClientThatNeverReadsIsDroppedAndDelaysNobody) {
     });
     EXPECT_TRUE(dropped);
     expect_alive(home);
+}
+
+// It says again and again that it waits on its socket, and reads nothing from it. It does to the descriptor
+// what would make writing to an eventfd block.
+TEST(Hostile, AClientThatFillsWhatItSleepsOnHoldsUpNobody) {
+    const Home home;
+    const Knurld knurld(home);
+    RawClient hostile(home);
+    const Answer welcome = hostile.greet();
+    ASSERT_TRUE(welcome.welcome);
+    const DeviceView view(welcome.fds.at(0).get());
+    Answer held = hostile.claim({.shared = 1});
+    ASSERT_TRUE(held.claimed) << text(held);
+    const int wake_fd = held.fds.at(1).get();
+    ASSERT_EQ(::fcntl(wake_fd, F_SETFL, 0), 0);
+    const std::uint64_t full = ~std::uint64_t{1};
+    if (::send(wake_fd, &full, sizeof full, MSG_NOSIGNAL) < 0 && errno == ENOTSOCK) {
+        ASSERT_EQ(::write(wake_fd, &full, sizeof full), static_cast<ssize_t>(sizeof full));
+    }
+
+    // protocol::claim_layout puts the flag at the same place for every capacity.
+    auto* flag = reinterpret_cast<shm::WaiterFlag*>(held.memory.data() + protocol::claim_layout({}).waiter);
+    const std::atomic_ref<std::uint64_t> waiting(flag->waiting);
+    for (int wake_ups = 0; wake_ups < 100; ++wake_ups) {
+        waiting.store(static_cast<std::uint64_t>(shm::Waits::on_socket));
+        ASSERT_TRUE(eventually([&] { return waiting.load() == 0; })) << "the servo wakes nobody any more";
+    }
+    waiting.store(static_cast<std::uint64_t>(shm::Waits::on_socket));
+    const std::uint64_t cycles = view.count(protocol::Count::cycles);
+    EXPECT_TRUE(eventually([&] { return view.count(protocol::Count::cycles) > cycles + 100; }));
+    expect_alive(home);
+    hostile.hang_up();
+    EXPECT_TRUE(eventually([&] { return view.held_rows() == 0; }));
 }
 
 }  // namespace

@@ -85,7 +85,8 @@ TEST(Life, WhatItDoesNotDriveCostsNoThread) {
         std::getline(std::ifstream(task.path() / "comm") >> std::ws, name);
         names.insert(name);
     }
-    EXPECT_EQ(names, (std::multiset<std::string>{"knurld", "knurl-servo", "knurl-servo", "knurl-waker"}))
+    EXPECT_EQ(names, (std::multiset<std::string>{"knurld", "knurl-servo", "knurl-servo", "knurl-waker",
+                                                 "knurl-farwaker"}))
         << "none for USB or other drivers, one loop a device";
 }
 

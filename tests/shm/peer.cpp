@@ -19,7 +19,7 @@ using namespace knurl::shm::test;
 
 struct Attached {
     Segment reports, claim;
-    UniqueFd event;
+    UniqueFd wake_fd;
 };
 
 Attached attach(const UniqueFd& socket) {
@@ -28,13 +28,13 @@ Attached attach(const UniqueFd& socket) {
     if (received.fds.size() != 3) throw std::runtime_error("expected three descriptors");
     return {.reports = Segment::open(received.fds[0].get(), report_segment_bytes, Segment::Access::read_only),
             .claim = Segment::open(received.fds[1].get(), claim_segment_bytes, Segment::Access::read_write),
-            .event = std::move(received.fds[2])};
+            .wake_fd = std::move(received.fds[2])};
 }
 
 /// Sleeps for each report; each must be whole, and the missed counted exactly.
 bool read_reports(Attached& at, std::uint64_t count) {
     BroadcastReader reader(at.reports.data(), report_slots, sizeof(Report), 0);
-    Waiter waiter(reinterpret_cast<WaiterFlag*>(at.claim.data() + flag_at), at.event.get(), reader);
+    Waiter waiter(reinterpret_cast<WaiterFlag*>(at.claim.data() + flag_at), at.wake_fd.get(), reader);
     std::uint64_t got = 0;
     while (reader.position() < count) {
         if (!waiter.wait(std::chrono::seconds(20))) return false;

@@ -181,9 +181,9 @@ TEST_F(Hostile, ReportRingWithAnyBytesIsReadWithoutHangingOrLeavingIt) {
 
 TEST_F(Hostile, FlagsWithAnyBytesOnlyWakeTheirOwner) {
     WaiterFlag flag;
-    const UniqueFd event = make_event();
+    const WakePair wake = make_wake_pair();
     Waker waker;
-    waker.add({.flag = &flag, .event_fd = event.get()});
+    waker.add({.flag = &flag, .wake_fd = wake.servo.get()});
     for (int round = 0; round < 1000; ++round) {
         flag.waiting = adversarial();
         ASSERT_LE(waker.run_once(), 1u);

@@ -29,7 +29,7 @@ class Processes : public testing::Test {
         spsc_init(claim_.data() + replies_at);
         triple_init(claim_.data() + batches_at);
         reports_.seal_against_new_writers();
-        waker_.add({.flag = flag_, .event_fd = event_.get()});
+        waker_.add({.flag = flag_, .wake_fd = wake_.servo.get()});
         thread_ = std::thread([this] { waker_.run(); });
     }
     ~Processes() override {
@@ -55,7 +55,7 @@ class Processes : public testing::Test {
         ASSERT_EQ(::poll(&event, 1, 20000), 1) << "the peer did not connect";
         socket_ = accept_from(listener);
         ASSERT_EQ(credentials_of(socket_).pid, peer_);
-        const int fds[] = {reports_.fd(), claim_.fd(), event_.get()};
+        const int fds[] = {reports_.fd(), claim_.fd(), wake_.client.get()};
         ASSERT_TRUE(send_message(socket_, std::as_bytes(std::span("attached")), fds));
     }
     bool alive() {
@@ -72,7 +72,8 @@ class Processes : public testing::Test {
     fs::path folder_;
     Segment reports_ = Segment::create("knurl-test-reports", report_segment_bytes);
     Segment claim_ = Segment::create("knurl-test-claim", claim_segment_bytes);
-    UniqueFd event_ = make_event(), socket_;
+    WakePair wake_ = make_wake_pair();
+    UniqueFd socket_;
     WaiterFlag* flag_ = reinterpret_cast<WaiterFlag*>(claim_.data() + flag_at);
     Waker waker_;
     std::thread thread_;
@@ -83,7 +84,7 @@ TEST_F(Processes, ASleepingClientGetsEveryReportWhole) {
     constexpr std::uint64_t count = 3000;
     start("reports", count);
     BroadcastWriter writer(reports_.data(), report_slots, sizeof(Report));
-    const WakeTarget wake_targets[] = {{.flag = flag_, .event_fd = event_.get()}};
+    const WakeTarget wake_targets[] = {{.flag = flag_, .wake_fd = wake_.servo.get(), .trusted = true}};
     for (std::uint64_t n = 0; n < count; ++n) {
         const Report report = Report::numbered(n);
         writer.publish(&report);

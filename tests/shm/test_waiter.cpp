@@ -1,10 +1,16 @@
+#include <array>
 #include <atomic>
+#include <cerrno>
 #include <random>
+#include <span>
 #include <thread>
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <poll.h>
+#include <sys/ioctl.h>
 #include <sys/mman.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include <knurl/shm/waiter.hpp>
@@ -42,9 +48,9 @@ class Waiting : public testing::Test {
         const WakeTarget wake_targets[] = {wake_target()};
         if (who_waits(wake_targets).count > 0) waker_.poke();
     }
-    WakeTarget wake_target() { return {.flag = &flag_, .event_fd = event_.get()}; }
+    WakeTarget wake_target() { return {.flag = &flag_, .wake_fd = wake_.servo.get(), .trusted = true}; }
     bool readable() const {
-        pollfd event{.fd = event_.get(), .events = POLLIN, .revents = 0};
+        pollfd event{.fd = wake_.client.get(), .events = POLLIN, .revents = 0};
         return ::poll(&event, 1, 0) == 1;
     }
     bool anyone() {
@@ -54,10 +60,10 @@ class Waiting : public testing::Test {
 
     Memory memory_;
     WaiterFlag flag_;
-    UniqueFd event_ = make_event();
+    WakePair wake_ = make_wake_pair();
     BroadcastWriter writer_{memory_.data(), slots, 8};
     BroadcastReader reader_{memory_.data(), slots, 8};
-    Waiter waiter_{&flag_, event_.get(), reader_};
+    Waiter waiter_{&flag_, wake_.client.get(), reader_};
     Waker waker_;
     std::thread thread_;
     std::uint64_t report_ = 0;
@@ -104,20 +110,20 @@ TEST_F(Waiting, TheDescriptorIsReadableWhenAReportHasCome) {
     // The waker's sweeps are made here, one for each poke: a thread's first sweep could come at any moment,
     // and find this waiter before there is a report.
     waker_.add(wake_target());
-    waiter_.rearm();
+    EXPECT_TRUE(waiter_.rearm());
     EXPECT_FALSE(readable());
     EXPECT_TRUE(anyone());
     publish();
     EXPECT_EQ(waker_.run_once(), 1u);
     EXPECT_TRUE(readable());
     ASSERT_TRUE(reader_.next(&report_));
-    waiter_.rearm();
+    EXPECT_TRUE(waiter_.rearm());
     EXPECT_FALSE(readable());
 }
 
 TEST_F(Waiting, WhoeverPollsTheDescriptorIsWokenByTheWakersThread) {
     start_waker();
-    waiter_.rearm();
+    ASSERT_TRUE(waiter_.rearm());
     publish();
     pollfd event{.fd = waiter_.fd(), .events = POLLIN, .revents = 0};
     EXPECT_EQ(::poll(&event, 1, 20000), 1);
@@ -127,43 +133,95 @@ TEST_F(Waiting, WhoeverPollsTheDescriptorIsWokenByTheWakersThread) {
 TEST_F(Waiting, OneThatSleepsAloneIsWokenWithoutTheWakersThread) {
     const WakeTarget wake_targets[] = {wake_target()};
     EXPECT_EQ(waker_.wake(wake_targets), 0u);
-    EXPECT_FALSE(readable());
-    waiter_.rearm();
+    std::atomic<bool> has_it = false;
+    std::thread client([&] { has_it = waiter_.wait(never); });
+    while (!anyone()) std::this_thread::yield();
+    const std::uint64_t report = 0;
+    writer_.publish(&report);
     EXPECT_EQ(waker_.wake(wake_targets), 1u);
-    EXPECT_TRUE(readable());
+    client.join();  // no thread of the waker runs
+    EXPECT_TRUE(has_it);
     EXPECT_FALSE(anyone());  // it is woken once
     EXPECT_EQ(waker_.wake(wake_targets), 0u);
 }
 
-TEST_F(Waiting, OneWhoseDescriptorIsNotForTheServoIsLeftToTheWakersThread) {
-    waker_.add(wake_target());
-    waiter_.rearm();
-    const WakeTarget wake_targets[] = {{.flag = &flag_}};
-    EXPECT_EQ(waker_.wake(wake_targets), 1u);
+/// Whether the servo wakes those of these who wait by itself: then their flags are down afterwards.
+bool wakes_itself(Waker& waker, std::span<const WakeTarget> wake_targets, WaiterFlag& flag) {
+    const std::uint64_t waited = flag.waiting;
+    EXPECT_EQ(waker.wake(wake_targets), 1u);
+    const bool itself = flag.waiting == 0;
+    flag.waiting = waited;
+    return itself;
+}
+
+TEST_F(Waiting, TheServosThreadWakesNobodyWhoIsNotTrustedOrWaitsOnASocket) {
+    flag_.waiting = static_cast<std::uint64_t>(Waits::on_flag);
+    EXPECT_TRUE(wakes_itself(waker_, std::array{wake_target()}, flag_));
+    EXPECT_FALSE(
+        wakes_itself(waker_, std::array{WakeTarget{.flag = &flag_, .wake_fd = wake_.servo.get()}}, flag_));
+    flag_.waiting = static_cast<std::uint64_t>(Waits::on_socket);
+    EXPECT_FALSE(wakes_itself(waker_, std::array{wake_target()}, flag_));
     EXPECT_FALSE(readable());
+    waker_.add(wake_target());
     EXPECT_EQ(waker_.run_once(), 1u);
     EXPECT_TRUE(readable());
 }
 
 TEST_F(Waiting, OneThatSleepsInACrowdIsLeftToTheWakersThread) {
-    waiter_.rearm();
+    flag_.waiting = static_cast<std::uint64_t>(Waits::on_flag);
     std::vector<WaiterFlag> awake(8);
     std::vector<WakeTarget> wake_targets{wake_target()};
-    for (WaiterFlag& flag : awake) wake_targets.push_back({.flag = &flag, .event_fd = event_.get()});
-    EXPECT_EQ(waker_.wake(wake_targets), 1u);
-    EXPECT_FALSE(readable());
+    for (WaiterFlag& flag : awake) wake_targets.push_back({.flag = &flag, .trusted = true});
+    EXPECT_FALSE(wakes_itself(waker_, wake_targets, flag_));
     wake_targets.pop_back();
-    EXPECT_EQ(waker_.wake(wake_targets), 1u);
-    EXPECT_TRUE(readable());
+    EXPECT_TRUE(wakes_itself(waker_, wake_targets, flag_));
+}
+
+TEST_F(Waiting, ThoseWhoAreNotTrustedAreLeftToAnotherThread) {
+    Waker far;
+    waker_.leave_untrusted_to(far);
+    WaiterFlag other;
+    const WakeTarget wake_targets[] = {wake_target(), {.flag = &other}};
+    for (const WakeTarget& each : wake_targets) waker_.add(each);
+    flag_.waiting = other.waiting = static_cast<std::uint64_t>(Waits::on_flag);
+    EXPECT_EQ(waker_.wake(wake_targets), 2u);
+    EXPECT_EQ(flag_.waiting, 0u) << "the one who is trusted sleeps alone";
+    EXPECT_NE(other.waiting, 0u);
+    EXPECT_EQ(waker_.run_once(), 0u);
+    EXPECT_EQ(far.run_once(), 1u);
+    other.waiting = static_cast<std::uint64_t>(Waits::on_flag);
+    waker_.remove(&other);
+    EXPECT_EQ(far.run_once(), 0u);
+    EXPECT_NE(other.waiting, 0u);
+}
+
+// A poke that the thread misses would leave it asleep for good.
+TEST_F(Waiting, TheOtherThreadIsPokedForThoseWhoAreNotTrusted) {
+    Waker far;
+    waker_.leave_untrusted_to(far);
+    const WakeTarget untrusted[] = {{.flag = &flag_, .wake_fd = wake_.servo.get()}};
+    waker_.add(untrusted[0]);
+    std::thread far_thread([&] { far.run(); });
+    std::atomic<bool> has_it = false;
+    std::thread client([&] { has_it = waiter_.wait(never); });
+    while (!anyone()) std::this_thread::yield();
+    const std::uint64_t report = 0;
+    writer_.publish(&report);
+    waker_.wake(untrusted);
+    client.join();
+    EXPECT_TRUE(has_it);
+    far.stop();
+    far_thread.join();
 }
 
 TEST_F(Waiting, SeveralAreLeftToTheWakersThread) {
     WaiterFlag other;
-    const UniqueFd others_event = make_event();
-    const WakeTarget wake_targets[] = {wake_target(), {.flag = &other, .event_fd = others_event.get()}};
+    const WakePair others = make_wake_pair();
+    const WakeTarget wake_targets[] = {wake_target(),
+                                       {.flag = &other, .wake_fd = others.servo.get(), .trusted = true}};
     for (const WakeTarget& each : wake_targets) {
         waker_.add(each);
-        each.flag->waiting = 1;
+        each.flag->waiting = static_cast<std::uint64_t>(Waits::on_socket);
     }
     EXPECT_EQ(waker_.wake(wake_targets), 2u);
     EXPECT_FALSE(readable());
@@ -171,20 +229,58 @@ TEST_F(Waiting, SeveralAreLeftToTheWakersThread) {
     EXPECT_TRUE(readable());
 }
 
-TEST_F(Waiting, AReportThatCameBeforeRearmingMakesTheDescriptorReadableAtOnce) {
+TEST_F(Waiting, RearmingSaysThatAReportCameBefore) {
     publish();  // nobody was waiting: nobody was woken
-    waiter_.rearm();
-    EXPECT_TRUE(readable());
+    EXPECT_FALSE(waiter_.rearm());
     ASSERT_TRUE(reader_.next(&report_));
-    waiter_.rearm();
+    EXPECT_TRUE(waiter_.rearm());
     EXPECT_FALSE(readable());
     waiter_.disarm();
     EXPECT_FALSE(anyone());
 }
 
+// What a client can do with its own end, in its own process. None of the wake-ups below may hang; each that
+// does hangs this test.
+TEST_F(Waiting, NoWakeUpBlocksWhateverAClientDoesToItsSocket) {
+    const auto wake = [&] {
+        flag_.waiting = static_cast<std::uint64_t>(Waits::on_socket);
+        EXPECT_EQ(waker_.run_once(), 1u);
+    };
+    waker_.add(wake_target());
+    // It takes away the flag that keeps writing from blocking, and reads nothing: the buffer fills.
+    ASSERT_EQ(::fcntl(wake_.client.get(), F_SETFL, 0), 0);
+    const int largest = 1 << 30;
+    for (const int option : {SO_SNDBUF, SO_RCVBUF})
+        ::setsockopt(wake_.client.get(), SOL_SOCKET, option, &largest, sizeof largest);
+    for (int i = 0; i < 10000; ++i) wake();
+    const std::byte one{};
+    EXPECT_EQ(::send(wake_.servo.get(), &one, 1, MSG_DONTWAIT | MSG_NOSIGNAL), -1);
+    EXPECT_EQ(errno, EAGAIN) << "else the buffer was not full, and this proves nothing";
+    int unread = 0;
+    ASSERT_EQ(::ioctl(wake_.client.get(), FIONREAD, &unread), 0);
+    EXPECT_LT(unread, 64) << "what a client leaves unread takes the servo's memory";
+    EXPECT_TRUE(readable());
+    ASSERT_FALSE(reader_.fresh());
+    EXPECT_TRUE(waiter_.rearm());
+    EXPECT_FALSE(readable());
+
+    // It sends something back.
+    EXPECT_EQ(::send(wake_.client.get(), &one, 1, MSG_DONTWAIT | MSG_NOSIGNAL), -1);
+    EXPECT_EQ(errno, EPIPE);
+    wake();
+    EXPECT_TRUE(readable());
+    // It hangs up, half and wholly: no SIGPIPE either.
+    ::shutdown(wake_.client.get(), SHUT_RD);
+    wake();
+    ::shutdown(wake_.client.get(), SHUT_RDWR);
+    wake();
+    wake_.client.reset();
+    wake();
+}
+
 TEST_F(Waiting, ASleeperIsWokenOnceHoweverLongItTakesToWakeUp) {
     waker_.add(wake_target());
-    waiter_.rearm();
+    ASSERT_TRUE(waiter_.rearm());
     publish();
     EXPECT_EQ(waker_.run_once(), 1u);
     publish();
@@ -198,11 +294,15 @@ TEST_F(Waiting, WhoeverIsRemovedIsNotTouchedAnyMore) {
         // Memory that is gone afterwards: touching it would crash.
         void* page = ::mmap(nullptr, 4096, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
         ASSERT_NE(page, MAP_FAILED);
-        auto* flag = new (page) WaiterFlag{.waiting = 1};
-        UniqueFd event = make_event();
-        waker_.add({.flag = flag, .event_fd = event.get()});
+        auto* flag = new (page) WaiterFlag{.waiting = 1 + static_cast<std::uint64_t>(i % 2)};
+        WakePair wake = make_wake_pair();
+        waker_.add({.flag = flag, .wake_fd = wake.servo.get()});
         waker_.poke();
-        waker_.remove(flag);
+        if (i % 4 < 2) {
+            waker_.remove(flag);
+        } else {
+            while (!waker_.try_remove(flag)) std::this_thread::yield();
+        }
         ASSERT_EQ(::munmap(page, 4096), 0);
     }
 }
@@ -210,11 +310,12 @@ TEST_F(Waiting, WhoeverIsRemovedIsNotTouchedAnyMore) {
 TEST_F(Waiting, TheTableIsBoundedAndSaysSo) {
     std::vector<WaiterFlag> flags(Waker::max_entries + 1);
     for (std::size_t i = 0; i < Waker::max_entries; ++i)
-        waker_.add({.flag = &flags[i], .event_fd = event_.get()});
-    EXPECT_THROW(waker_.add({.flag = &flags.back(), .event_fd = event_.get()}), std::runtime_error);
+        waker_.add({.flag = &flags[i], .wake_fd = wake_.servo.get()});
+    EXPECT_THROW(waker_.add({.flag = &flags.back(), .wake_fd = wake_.servo.get()}), std::runtime_error);
     waker_.remove(&flags[17]);
     waker_.remove(&flags[17]);  // unknown by now
-    waker_.add({.flag = &flags.back(), .event_fd = event_.get()});
+    EXPECT_TRUE(waker_.try_remove(&flags[17]));
+    waker_.add({.flag = &flags.back(), .wake_fd = wake_.servo.get()});
     flags[17].waiting = 1;
     flags[18].waiting = 1;
     flags.back().waiting = 1;
@@ -233,11 +334,11 @@ TEST_F(Waiting, EveryWaiterOfManyIsWoken) {
     constexpr int clients = 8;
     constexpr std::uint64_t reports = 200;
     std::vector<WaiterFlag> flags(clients);
-    std::vector<UniqueFd> events;
+    std::vector<WakePair> pairs;
     std::vector<WakeTarget> wake_targets;
     for (WaiterFlag& flag : flags) {
-        events.push_back(make_event());
-        wake_targets.push_back({.flag = &flag, .event_fd = events.back().get()});
+        pairs.push_back(make_wake_pair());
+        wake_targets.push_back({.flag = &flag, .wake_fd = pairs.back().servo.get(), .trusted = true});
         waker_.add(wake_targets.back());
     }
     thread_ = std::thread([this] { waker_.run(); });
@@ -247,7 +348,7 @@ TEST_F(Waiting, EveryWaiterOfManyIsWoken) {
     for (std::size_t i = 0; i < clients; ++i)
         threads.emplace_back([&, i] {
             BroadcastReader reader(memory_.data(), slots, 8, 0);
-            Waiter waiter(&flags[i], events[i].get(), reader);
+            Waiter waiter(&flags[i], pairs[i].client.get(), reader);
             std::uint64_t report = 0;
             for (std::uint64_t n = 0; n < reports && !lost; ++n) {
                 if (!waiter.wait(hang) || !reader.next(&report) || report != n) lost = true;

@@ -32,7 +32,7 @@ class RemoteReports final : public detail::ReportSource {
     std::uint64_t missed() const noexcept override { return stream_->missed(); }
     void wait(std::chrono::nanoseconds timeout) noexcept override { stream_->wait(timeout, false); }
     void wait_cycle(std::chrono::nanoseconds timeout) noexcept override { stream_->wait(timeout, true); }
-    int event() const noexcept override { return stream_->event(); }
+    int event() override { return stream_->event(); }
     void rearm() noexcept override { stream_->rearm(); }
     Network network() const noexcept override { return stream_->network(); }
 

@@ -25,7 +25,7 @@ class ReportNotifier {
 
     int hang_up() const noexcept { return link_->hang_up(); }
     std::size_t devices() const noexcept { return devices_.size(); }
-    int event(std::size_t device) const noexcept { return devices_[device].attachment.reports->event(); }
+    int event(std::size_t device) const { return devices_[device].attachment.reports->event(); }
 
     /// One more stream, or one less, needs this device's reports.
     void join(std::size_t device) noexcept;

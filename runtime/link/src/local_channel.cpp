@@ -1,6 +1,14 @@
 #include <array>
+#include <cerrno>
+#include <cstring>
+#include <optional>
 
+#include <sys/epoll.h>
+#include <unistd.h>
+
+#include <knurl/link/error.hpp>
 #include <knurl/link/local.hpp>
+#include <knurl/link/text.hpp>
 #include <knurl/protocol/claim_segment.hpp>
 #include <knurl/protocol/device_segment.hpp>
 #include <knurl/shm/broadcast_ring.hpp>
@@ -12,18 +20,51 @@ namespace knurl::detail {
 
 namespace {
 
+/// Readable when the servo has woken us, or when we raised it ourselves: only the servo can make our socket
+/// readable.
+class ReportEvent {
+  public:
+    explicit ReportEvent(int wake_fd) try : own_(shm::make_event()), both_(::epoll_create1(EPOLL_CLOEXEC)) {
+        watch(wake_fd);
+        watch(own_.get());
+    } catch (const Error&) {
+        throw;
+    } catch (const std::exception& reason) {
+        throw Error(Error::Kind::exhausted, reason.what());
+    }
+    int fd() const noexcept { return both_.get(); }
+    void raise(bool raised) noexcept {
+        if (raised == raised_) return;
+        raised_ = raised;
+        std::uint64_t count = 1;
+        [[maybe_unused]] const ssize_t done =
+            raised ? ::write(own_.get(), &count, sizeof count) : ::read(own_.get(), &count, sizeof count);
+    }
+
+  private:
+    void watch(int fd) {
+        epoll_event event{.events = EPOLLIN, .data = {}};
+        if (!both_ || ::epoll_ctl(both_.get(), EPOLL_CTL_ADD, fd, &event) != 0)
+            throw Error(Error::Kind::exhausted,
+                        detail::format("descriptor for reports: {}; see the limit of open files (ulimit -n)",
+                                       std::strerror(errno)));
+    }
+    shm::UniqueFd own_, both_;
+    bool raised_ = false;
+};
+
 class LocalReports final : public ReportSource {
   public:
     LocalReports(std::shared_ptr<const shm::Segment> device, std::shared_ptr<shm::Segment> claim,
-                 const protocol::ClaimCapacity& capacity, shm::UniqueFd event)
+                 const protocol::ClaimCapacity& capacity, shm::UniqueFd wake_fd)
         : device_(std::move(device)),
           claim_(std::move(claim)),
-          event_(std::move(event)),
+          wake_fd_(std::move(wake_fd)),
           reader_(at(newest_one)),
           pulse_(at(newest_one)),
           flag_(reinterpret_cast<shm::WaiterFlag*>(claim_->data() + protocol::claim_layout(capacity).waiter)),
-          waiter_(flag_, event_.get(), reader_),
-          pulse_waiter_(flag_, event_.get(), pulse_) {}
+          waiter_(flag_, wake_fd_.get(), reader_),
+          pulse_waiter_(flag_, wake_fd_.get(), pulse_) {}
 
     bool next(Report& out) noexcept override {
         const std::uint64_t missed_before = reader_.missed();
@@ -49,8 +90,14 @@ class LocalReports final : public ReportSource {
         pulse_ = at(reader_.published());
         pulse_waiter_.wait(timeout);
     }
-    int event() const noexcept override { return event_.get(); }
-    void rearm() noexcept override { waiter_.rearm(); }
+    int event() override {
+        if (!event_) event_.emplace(wake_fd_.get());
+        return event_->fd();
+    }
+    void rearm() noexcept override {
+        const bool waits = waiter_.rearm();
+        if (event_) event_->raise(!waits);
+    }
 
   private:
     static constexpr std::uint64_t newest_one = shm::BroadcastReader::newest;
@@ -61,7 +108,8 @@ class LocalReports final : public ReportSource {
 
     std::shared_ptr<const shm::Segment> device_;
     std::shared_ptr<shm::Segment> claim_;
-    shm::UniqueFd event_;
+    shm::UniqueFd wake_fd_;
+    std::optional<ReportEvent> event_;  // made for event loops alone
     shm::BroadcastReader reader_;
     shm::BroadcastReader pulse_;  // a second position in the same ring: where wait_cycle began
     shm::WaiterFlag* flag_;
@@ -132,8 +180,8 @@ std::unique_ptr<ClaimChannel> local_channel(std::shared_ptr<shm::Segment> claim,
 
 std::shared_ptr<ReportSource> local_reports(std::shared_ptr<const shm::Segment> device,
                                             std::shared_ptr<shm::Segment> claim,
-                                            const protocol::ClaimCapacity& capacity, shm::UniqueFd event) {
-    return std::make_shared<LocalReports>(std::move(device), std::move(claim), capacity, std::move(event));
+                                            const protocol::ClaimCapacity& capacity, shm::UniqueFd wake_fd) {
+    return std::make_shared<LocalReports>(std::move(device), std::move(claim), capacity, std::move(wake_fd));
 }
 
 }  // namespace knurl::detail

@@ -47,14 +47,14 @@ class LocalLink final : public Link {
         request.device = device;
         if (request.observe == protocol::observe_only)
             request.capacity = {.representations = 0, .batch_bytes = 0};
-        auto [claimed, segment, event] = served(request);
+        auto [claimed, segment, wake_fd] = served(request);
         Attachment result{.terms = claimed,
                           .device = devices_[device],
                           .device_index = device,
                           .reports = {},
                           .channel = {},
                           .assets = {}};
-        result.reports = local_reports(segments_[device], segment, claimed.capacity, std::move(event));
+        result.reports = local_reports(segments_[device], segment, claimed.capacity, std::move(wake_fd));
         if (request.observe != protocol::observe_only)
             result.channel = local_channel(segment, claimed.capacity);
         if (request.observe == 0) {
@@ -101,7 +101,7 @@ class LocalLink final : public Link {
     struct Granted {
         protocol::Claimed terms;
         std::shared_ptr<shm::Segment> segment;
-        shm::UniqueFd event;
+        shm::UniqueFd wake_fd;
     };
 
     /// A claim that is mapped on both sides, and that the servo serves.
@@ -132,7 +132,7 @@ class LocalLink final : public Link {
                         .segment = std::make_shared<shm::Segment>(
                             open(fds[0].get(), protocol::claim_layout(claimed.capacity).total,
                                  shm::Segment::Access::read_write)),
-                        .event = std::move(fds[1])};
+                        .wake_fd = std::move(fds[1])};
         seal(*granted.segment);
         return granted;
     }

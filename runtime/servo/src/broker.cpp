@@ -304,7 +304,7 @@ struct Broker::Impl {
                                            .key = grant.message.key,
                                            .since = SteadyClock::now()});
             ++unmapped;
-            const std::array fds{grant.segment_fd, grant.event_fd};
+            const std::array fds{grant.segment_fd, grant.wake_fd.get()};
             return shm::send_message(connection.socket, bytes_of(grant.message), fds);
         } catch (const RequestRefused& refusal) {
             return refuse(connection, refusal);

@@ -39,7 +39,7 @@ Claim::Impl::Impl(const ClaimTerms& stated, std::byte* memory, protocol::ClientR
       layout(protocol::claim_layout(stated.capacity)),
       channels(channels_of(memory, layout)),
       wake_target{.flag = reinterpret_cast<shm::WaiterFlag*>(memory + layout.waiter),
-                  .event_fd = stated.event_fd},
+                  .trusted = stated.woken_by_servo != 0},
       row(table_row),
       scene({.representations = stated.capacity.representations, .probes = protocol::max_probes},
             stated.limits),

@@ -113,15 +113,17 @@ Grant ClaimTable::grant(const protocol::ClaimRequest& request, const Peer& peer)
     terms.shared = request.shared != 0;
 
     Row fresh;  // enters the table only when it is complete
+    shm::WakePair wake;
     try {
         fresh.segment = shm::Segment::create("knurl-claim", protocol::claim_layout(terms.capacity).total);
         fresh.segment.hold_pages();
-        fresh.event = shm::make_event();
+        wake = shm::make_wake_pair();
+        fresh.wake_fd = std::move(wake.servo);
         fresh.observer = observer;
         fresh.shared = terms.shared;
         fresh.peer = peer;
-        // The servo writes to the event only where the client could stop the servo anyway.
-        if (peer.uid == 0 || peer.uid == ::geteuid()) terms.event_fd = fresh.event.get();
+        fresh.trusted = peer.uid == 0 || peer.uid == ::geteuid();
+        terms.woken_by_servo = fresh.trusted ? 1 : 0;
         if (getrandom(&fresh.key, sizeof fresh.key, 0) != sizeof fresh.key)
             throw std::runtime_error("no random numbers");
         fresh.claim = std::make_unique<Claim>(terms, fresh.segment.data(), &shared_row(index));
@@ -141,7 +143,7 @@ Grant ClaimTable::grant(const protocol::ClaimRequest& request, const Peer& peer)
     grant.message.frame = terms.frame;
     grant.message.limits = terms.limits;
     grant.segment_fd = found->segment.fd();
-    grant.event_fd = found->event.get();
+    grant.wake_fd = std::move(wake.client);
     return grant;
 }
 
@@ -157,7 +159,7 @@ void ClaimTable::serve(std::uint32_t index) {
     if (!row.segment.has_every_page())
         refuse("a page of its memory was taken away before it was sealed; claim it again");
     try {
-        waker_.add({.flag = flag_in(row.segment), .event_fd = row.event.get()});
+        waker_.add({.flag = flag_in(row.segment), .wake_fd = row.wake_fd.get(), .trusted = row.trusted});
     } catch (const std::exception& error) {
         refuse(error.what());
     }
@@ -177,8 +179,10 @@ void ClaimTable::let_go(std::uint32_t index) noexcept {
 bool ClaimTable::collect() noexcept {
     take_back_assets();
     if (on_their_way_ == 0) return false;
-    for (Row& row : rows_) {
+    for (std::uint32_t index = 0; index < rows_.size(); ++index) {
+        Row& row = rows_[index];
         if (row.stage == Stage::dropping && device_.servo.drop(row.claim.get())) row.stage = Stage::leaving;
+        if (row.stage == Stage::clearing) clear(index);
     }
     while (const Claim* back = device_.servo.released()) {
         take_back_assets();  // assets that came before the claim: its address may soon be another claim's
@@ -223,7 +227,13 @@ void ClaimTable::identify(std::uint32_t index, const Peer& peer, std::uint64_t r
 
 void ClaimTable::clear(std::uint32_t index) noexcept {
     Row& row = rows_[index];
-    waker_.remove(flag_in(row.segment));              // before the segment is unmapped
+    // Before the segment is unmapped. The broker does not wait for a wake-up, which its client can make long.
+    if (!waker_.try_remove(flag_in(row.segment))) {
+        if (row.stage != Stage::clearing) ++on_their_way_;
+        row.stage = Stage::clearing;
+        return;
+    }
+    if (row.stage == Stage::clearing) --on_their_way_;
     protocol::ClientRow& shared = shared_row(index);  // also the servo's half: the servo has released the row
     for (auto* word : {&shared.commits, &shared.refused, &shared.merged, &shared.age_ns, &shared.interval_ns,
                        &shared.gain_ppm, &shared.silent, &shared.armed, &shared.shed, &shared.missed,

@@ -302,7 +302,8 @@ int run_daemon(const DaemonConfig& config) {
                                 .close = std::move(not_for_the_guardian)});
 
     const std::string lateness = lateness_line(config, cpu, static_cast<bool>(idle_polling));
-    shm::Waker waker;
+    shm::Waker far_waker, waker;
+    waker.leave_untrusted_to(far_waker);
     std::vector<HostedDevice> hosted;
     for (std::size_t i = 0; i < stations.size(); ++i) {
         Station& station = *stations[i];
@@ -333,10 +334,23 @@ int run_daemon(const DaemonConfig& config) {
         shm::Waker& waker;
         Thread thread;
         ~WakerThread() { waker.stop(); }
-    } waker_thread{
+    };
+    const int waker_priority = raised(config.priority, -waker_below_servo);
+    // Waking clients of other users may take long with preemption off (WakeTarget::trusted).
+    const WakerThread far_waker_thread{far_waker, Thread(
+                                                      {.name = "knurl-farwaker",
+                                                       .priority = waker_priority,
+                                                       .cpu = -1,
+                                                       .stack_bytes = small_stack_bytes},
+                                                      [&far_waker, cpu] {
+                                                          keep_off_cpu(cpu);
+                                                          far_waker.run();
+                                                      },
+                                                      missing)};
+    const WakerThread waker_thread{
         waker,
         Thread(
-            {.name = "knurl-waker", .priority = raised(config.priority, -waker_below_servo), .cpu = cpu},
+            {.name = "knurl-waker", .priority = waker_priority, .cpu = cpu, .stack_bytes = small_stack_bytes},
             [&waker] { waker.run(); }, missing)};
     Broker::End end = Broker::End::at_once;
     {

@@ -48,7 +48,7 @@ constexpr int allowed_priority(int priority) {
 }
 
 // Stack frames with sanitizers are several times larger.
-constexpr std::size_t stack_bytes = sanitized ? 8 * thread_stack_bytes : thread_stack_bytes;
+constexpr std::size_t stack_scale = sanitized ? 8 : 1;
 
 void* run_body(void* body) {
     (*static_cast<std::function<void()>*>(body))();
@@ -149,7 +149,7 @@ shm::UniqueFd hold_idle_polling(Shortfalls& missing) {
 Thread::Thread(const ThreadOptions& options, std::function<void()> body, Shortfalls& missing)
     : body_(std::make_unique<std::function<void()>>(std::move(body))) {
     Attributes attributes;
-    pthread_attr_setstacksize(&attributes.value, stack_bytes);
+    pthread_attr_setstacksize(&attributes.value, stack_scale * options.stack_bytes);
     if (options.cpu >= 0) {
         cpu_set_t set;
         CPU_ZERO(&set);
@@ -188,7 +188,7 @@ WakeLateness measure_wake_lateness(int priority, int cpu, int samples) {
     std::vector<Nanoseconds> late(static_cast<std::size_t>(samples));
     Shortfalls unused;
     Thread(
-        {.name = "knurl-lateness", .priority = priority, .cpu = cpu},
+        {.name = "knurl-lateness", .priority = priority, .cpu = cpu, .stack_bytes = small_stack_bytes},
         [&late] {
             MonotonicClock clock;
             Nanoseconds deadline = clock.now();

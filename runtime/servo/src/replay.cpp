@@ -138,7 +138,7 @@ const Report* Replay::feed(const InputRecord& record) {
         case InputType::adopt: {
             auto terms = part_of<ClaimTerms>(record, after_number);
             require_sane(record, terms);
-            terms.event_fd = -1;  // belongs to the recorded process
+            terms.woken_by_servo = 0;  // nobody sleeps
             auto& place = claims_[part_of<std::uint64_t>(record, 0)];
             if (place) nonsense(record, "adopts a claim twice");
             place = std::make_unique<Held>(terms);

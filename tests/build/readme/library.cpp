@@ -122,10 +122,10 @@ TEST(Readme, Rings) {
     std::array<std::byte, bytes> batch{};
     WaiterFlag raised{};
     WaiterFlag* flag = &raised;
-    const UniqueFd event = make_event();
-    const int event_fd = event.get();
+    const WakePair wake = make_wake_pair();
+    const int wake_fd = wake.client.get();
     Waker waker;
-    const std::array<WakeTarget, 1> sleepers{{{flag, event_fd}}};
+    const std::array<WakeTarget, 1> sleepers{{{flag, wake.servo.get(), true}}};
     const auto use = [](const Report& read, std::uint64_t missed) {
         EXPECT_EQ(read.number, 7U);
         EXPECT_EQ(missed, 0U);

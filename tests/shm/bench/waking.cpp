@@ -23,13 +23,13 @@ double now() {
 
 struct Sleepers {
     std::vector<WaiterFlag> flags;
-    std::vector<UniqueFd> events;
+    std::vector<WakePair> pairs;
     std::vector<WakeTarget> views;
 
     Sleepers(std::size_t n, Waker& waker) : flags(n) {
         for (WaiterFlag& flag : flags) {
-            events.push_back(make_event());
-            views.push_back({.flag = &flag, .event_fd = events.back().get()});
+            pairs.push_back(make_wake_pair());
+            views.push_back({.flag = &flag, .wake_fd = pairs.back().servo.get(), .trusted = true});
             waker.add(views.back());
         }
     }
@@ -59,7 +59,7 @@ void measure_cell(std::size_t k, int cycles, const Place& place, const Stopwatch
             measure::pin_this_thread(place.client_cpu);
             if (place.real_time) measure::run_real_time(15);
             BroadcastReader reader(segment.data(), slots, sizeof(Message), 0);
-            Waiter waiter(&sleepers.flags[i], sleepers.events[i].get(), reader);
+            Waiter waiter(&sleepers.flags[i], sleepers.pairs[i].client.get(), reader);
             while (!stop.load(std::memory_order::relaxed)) {
                 if (!waiter.wait(20ms)) continue;
                 Message message;

@@ -134,15 +134,20 @@ class ReportRing final : public Transport {
     /// knurld wakes a single waiting client itself, if it belongs to its own user; the waker wakes all
     /// others.
     enum class WokenBy { servo, waker };
-    ReportRing(WokenBy by, const Place& place)
-        : Transport(by == WokenBy::servo ? "Knurl" : "Knurl, waker",
-                    by == WokenBy::servo
-                        ? "report ring; the servo itself writes the one client's eventfd"
+    ReportRing(WokenBy by, const Place& place, Waits waits = Waits::on_flag)
+        : Transport(waits == Waits::on_socket ? "Knurl, descriptor"
+                    : by == WokenBy::servo    ? "Knurl"
+                                              : "Knurl, waker",
+                    waits == Waits::on_socket
+                        ? "report ring; the client poll()s its socket, to which the waker's thread writes"
+                    : by == WokenBy::servo
+                        ? "report ring; the servo itself wakes the one client"
                         : "report ring; the servo pokes its waker's thread, as for several clients"),
           by_(by),
+          waits_(waits),
           place_(place) {
         broadcast_init(segment_.data() + sizeof(WaiterFlag));
-        waker_.add(sleeper(event_.get()));
+        waker_.add(sleeper());
     }
     ~ReportRing() override {
         if (!thread_.joinable()) return;
@@ -151,7 +156,16 @@ class ReportRing final : public Transport {
     }
     void receive(Inbox& inbox) override {
         BroadcastReader reader(segment_.data() + sizeof(WaiterFlag), slots, sizeof(Message), 0);
-        Waiter waiter(flag(), event_.get(), reader);
+        Waiter waiter(flag(), wake_.client.get(), reader);
+        if (waits_ == Waits::on_socket) {
+            for (Message message;;) {
+                while (!waiter.rearm())
+                    while (reader.next(&message)) inbox.had(message);
+                pollfd event{.fd = waiter.fd(), .events = POLLIN, .revents = 0};
+                ::poll(&event, 1, 1000);
+                while (reader.next(&message)) inbox.had(message);
+            }
+        }
         for (Message message;;)
             if (waiter.wait(1s))
                 while (reader.next(&message)) inbox.had(message);
@@ -164,20 +178,23 @@ class ReportRing final : public Transport {
     }
     void send(const Message& message) override {
         writer_.publish(&message);
-        const WakeTarget one[] = {sleeper(by_ == WokenBy::servo ? event_.get() : -1)};
+        const WakeTarget one[] = {sleeper()};
         waker_.wake(one);
     }
 
   private:
     static constexpr std::uint32_t slots = 4096;
     WaiterFlag* flag() { return reinterpret_cast<WaiterFlag*>(segment_.data()); }
-    WakeTarget sleeper(int event) { return {.flag = flag(), .event_fd = event}; }
+    WakeTarget sleeper() {
+        return {.flag = flag(), .wake_fd = wake_.servo.get(), .trusted = by_ == WokenBy::servo};
+    }
 
     WokenBy by_;
+    Waits waits_;
     Place place_;
     Segment segment_ =
         Segment::create("knurl-bench", sizeof(WaiterFlag) + broadcast_bytes(slots, sizeof(Message)));
-    UniqueFd event_ = make_event();
+    WakePair wake_ = make_wake_pair();
     BroadcastWriter writer_{segment_.data() + sizeof(WaiterFlag), slots, sizeof(Message)};
     Waker waker_;
     std::thread thread_;
@@ -194,6 +211,7 @@ void add_floors(Transports& all, const Place& place) {
 void add_knurl(Transports& all, const Place& place) {
     all.push_back(std::make_unique<ReportRing>(ReportRing::WokenBy::servo, place));
     all.push_back(std::make_unique<ReportRing>(ReportRing::WokenBy::waker, place));
+    all.push_back(std::make_unique<ReportRing>(ReportRing::WokenBy::waker, place, Waits::on_socket));
 }
 
 }  // namespace knurl::shm::peers

@@ -7,6 +7,13 @@
 /// thread of lower priority on its own core, which wakes them while the servo sleeps. Either is one system
 /// call, whatever the number of clients.
 ///
+/// A client sleeps in one of two ways, which its flag names: on the flag itself (a futex), or in poll() on
+/// its end of a pair of sockets, for event loops. No wake-up can block, whatever the client does: a futex call
+/// for memory that is present waits for nothing, and the flags of the servo's end of the pair are its own, so
+/// a full buffer is an answer. (An eventfd has one set of flags for both sides: a client that makes it
+/// blocking and fills it holds up whoever writes.) Only the thread writes to sockets, since that allocates
+/// memory in the kernel.
+///
 ///     client: flag = 1   ─sb─> fence(seq_cst) ─sb─> read end: nothing new ⇒ sleep
 ///     servo:  end = n+1  ─sb─> fence(seq_cst) ─sb─> read flag: not set    ⇒ wake nobody
 ///
@@ -33,11 +40,21 @@ struct WaiterOrders {
     static constexpr auto publisher_fence = std::memory_order::seq_cst;
 };
 
+/// How a client waits: what WaiterFlag::waiting is. Any other value but 0 counts as on_flag.
+enum class Waits : std::uint64_t {
+    /// It does not.
+    no = 0,
+    /// In a futex call on the flag.
+    on_flag = 1,
+    /// In poll() on its socket.
+    on_socket = 2,
+};
+
 /// The waiting side: raises the flag, then looks again. True: `counter` is still at `seen`, sleeping is safe.
 template <class Memory = HardwareMemory, class Orders = WaiterOrders>
-bool announce_wait(typename Memory::Word& flag, const typename Memory::Word& counter,
-                   std::uint64_t seen) noexcept {
-    Memory::store(flag, 1, std::memory_order::relaxed);
+bool announce_wait(typename Memory::Word& flag, const typename Memory::Word& counter, std::uint64_t seen,
+                   Waits how = Waits::on_flag) noexcept {
+    Memory::store(flag, static_cast<std::uint64_t>(how), std::memory_order::relaxed);
     Memory::fence(Orders::waiter_fence);
     return Memory::load(counter, std::memory_order::acquire) == seen;
 }
@@ -48,17 +65,18 @@ void fence_after_publish() noexcept {
     Memory::fence(Orders::publisher_fence);
 }
 
-/// Lowers the flag; true: it was up. Lowered before the client is signalled: one that waits again meanwhile
-/// raises it again, and that is not overwritten.
+/// Lowers the flag; returns what it was, 0: it was down. Lowered before the client is woken: one that waits
+/// again meanwhile raises it again, and that is not overwritten.
 template <class Memory = HardwareMemory>
-bool lower_flag(typename Memory::Word& flag) noexcept {
-    return Memory::load(flag, std::memory_order::relaxed) != 0 &&
-           Memory::exchange(flag, 0, std::memory_order::acq_rel) != 0;
+std::uint64_t lower_flag(typename Memory::Word& flag) noexcept {
+    if (Memory::load(flag, std::memory_order::relaxed) == 0) return 0;
+    return Memory::exchange(flag, 0, std::memory_order::acq_rel);
 }
 
 /// One client's flag, in the client's segment, a line for itself. Zero-initialise it with the segment.
 struct alignas(line_bytes) WaiterFlag {
-    /// Not 0: the client waits. The client sets it; the thread that wakes it clears it.
+    /// A value of Waits; the client's word alone, so it may be any. The client sets it; the thread that wakes
+    /// it clears it. Its lower half is the futex.
     std::uint64_t waiting = 0;
     /// Reports that its owner has missed (BroadcastReader::missed), for people who look on. It lies here
     /// since whoever publishes has this line at hand anyway. The owner's word alone says so: nothing may
@@ -110,45 +128,68 @@ class SentCount : public BasicSentCount<> {
     explicit SentCount(WaiterFlag* flag) : BasicSentCount(&flag->sent) {}
 };
 
-/// One who may sleep: its flag, and the descriptor that it sleeps on. Neither is owned. A client shares its
-/// descriptor, and could make writing to it block: whoever must never block has -1 there, unless the client
-/// could stop it anyway.
+/// One who may sleep: its flag, and the socket that it may sleep on. Neither is owned.
 struct WakeTarget {
     /// Its flag.
     WaiterFlag* flag = nullptr;
-    /// The descriptor that it sleeps on, or -1.
-    int event_fd = -1;
+    /// The servo's end of its pair of sockets, or -1.
+    int wake_fd = -1;
+    /// The servo's thread may wake it. Waking passes over the other waiters that the kernel keeps in the same
+    /// list. A client can make such a list long, so this is for clients that could stop the servo anyway.
+    bool trusted = false;
 };
 
 /// Who waits.
 struct Waiting {
     /// How many.
     std::size_t count = 0;
-    /// Index of the last of these.
+    /// How many of these are trusted.
+    std::size_t trusted = 0;
+    /// Index of the last trusted one.
     std::size_t last = 0;
+    /// Its flag.
+    std::uint64_t how = 0;
 };
 /// The servo calls it after publishing. The fence is inside. Costs a fence and a load per flag.
 inline Waiting who_waits(std::span<const WakeTarget> wake_targets) noexcept {
     fence_after_publish<>();
     Waiting found;
     for (std::size_t i = 0; i < wake_targets.size(); ++i) {
-        if (HardwareMemory::load(wake_targets[i].flag->waiting, std::memory_order::relaxed) == 0) continue;
+        const std::uint64_t how =
+            HardwareMemory::load(wake_targets[i].flag->waiting, std::memory_order::relaxed);
+        if (how == 0) continue;
         ++found.count;
+        if (!wake_targets[i].trusted) continue;
+        ++found.trusted;
         found.last = i;
+        found.how = how;
     }
     return found;
 }
 
-/// A non-blocking, close-on-exec eventfd for a client to sleep on. Throws std::runtime_error.
+/// What a client sleeps on in an event loop: two ends of one connection. Neither side can change how the
+/// other's end behaves.
+struct WakePair {
+    /// Stays with the servo: WakeTarget::wake_fd.
+    UniqueFd servo;
+    /// Goes to the client: readable when it has been woken.
+    UniqueFd client;
+};
+/// Makes a pair; both ends are non-blocking and close-on-exec. Throws std::runtime_error.
+WakePair make_wake_pair();
+
+/// A non-blocking, close-on-exec eventfd, for threads of one process. It is no good between processes that do
+/// not trust each other: its flags are the same for all who have it. Throws std::runtime_error.
 UniqueFd make_event();
 
 /// The client's side of waiting. It owns none of the things that it is given; the reader's position says what
 /// is new.
 class Waiter {
   public:
-    /// Waits with this flag, on this descriptor, for this reader.
-    Waiter(WaiterFlag* flag, int event_fd, const BroadcastReader& reader)
-        : flag_(flag), event_(event_fd), reader_(&reader) {}
+    /// Waits with this flag for this reader. `wake_fd`: the client's end of its pair of sockets; -1: it only
+    /// calls wait().
+    Waiter(WaiterFlag* flag, int wake_fd, const BroadcastReader& reader)
+        : flag_(flag), wake_fd_(wake_fd), reader_(&reader) {}
 
     /// Sleeps until the reader has something new, at most `timeout` (nanoseconds::max(): for ever). True: it
     /// has, or its ring was restarted. A time-out of a few cycles, repeated, also sees a servo that died.
@@ -156,11 +197,12 @@ class Waiter {
     bool wait(std::chrono::nanoseconds timeout) noexcept;
 
     /// For an event loop: fd() becomes readable when a report arrives after rearm(). When it is readable,
-    /// read all reports, then rearm() again; if a report came in between, the descriptor is readable at once.
-    /// A wake-up may be early, it is never lost.
-    int fd() const noexcept { return event_; }
-    /// Raises the flag again; see fd().
-    void rearm() noexcept;
+    /// read all reports, then rearm() again. A wake-up may be early, it is never lost. A wait() in between
+    /// takes the place of rearm().
+    int fd() const noexcept { return wake_fd_; }
+    /// Raises the flag again; see fd(). False: a report is there already, and the descriptor does not say so;
+    /// read it, then call this again.
+    [[nodiscard]] bool rearm() noexcept;
 
     /// No longer interested: lowers the flag.
     void disarm() noexcept;
@@ -169,7 +211,7 @@ class Waiter {
     void drain() noexcept;
 
     WaiterFlag* flag_;
-    int event_;
+    int wake_fd_;
     const BroadcastReader* reader_;
 };
 
@@ -187,15 +229,23 @@ class Waker {
     Waker(const Waker&) = delete;
     Waker& operator=(const Waker&) = delete;
 
+    /// Those who are not trusted are woken by the thread of `far`, which should run on another CPU: waking one
+    /// of them may take long (WakeTarget::trusted), with preemption off. Called before the first add().
+    void leave_untrusted_to(Waker& far) noexcept { far_ = &far; }
+
     /// Adds a client. remove(flag) before unmapping the flag or closing the descriptor. Throws
-    /// std::runtime_error when the table is full. Safe while the thread runs, never called by the servo's
-    /// thread.
+    /// std::runtime_error when the table is full. Safe while the thread runs; add and remove are called by one
+    /// thread, which is not the servo's.
     void add(const WakeTarget& wake_target);
-    /// On return nobody touches the flag or the descriptor any more. Unknown flags are ignored.
+    /// True: nobody touches the flag or the descriptor any more. False: the thread is waking this client at
+    /// this moment, and will not do so again; ask again later. Does not wait. True for an unknown flag.
+    [[nodiscard]] bool try_remove(const WaiterFlag* flag) noexcept;
+    /// The same, but waits for the end of that one wake-up.
     void remove(const WaiterFlag* flag) noexcept;
 
-    /// From the servo's thread, after publishing: wakes whoever of these waits, with one system call at most,
-    /// no lock, no allocation. Those without a descriptor are left to the thread. How many did wait.
+    /// From the servo's thread, after publishing: wakes whoever of these waits, with one system call at most
+    /// for those who are trusted and one for the others, no lock, no allocation. Left to the thread are several, those who are not trusted, and those who wait
+    /// on a socket. How many did wait.
     std::size_t wake(std::span<const WakeTarget> wake_targets) noexcept;
     /// The thread will look through its table: a futex wake at most.
     void poke() noexcept;
@@ -212,6 +262,7 @@ class Waker {
   private:
     struct Table;
     std::unique_ptr<Table> table_;
+    Waker* far_ = nullptr;
 
     // poke: ++pokes_      ─sb─> fence ─sb─> sleeping_ not set: no futex call
     // run:  sleeping_ = 1 ─sb─> fence ─sb─> pokes_ as seen:    futex wait

@@ -24,6 +24,6 @@ std::shared_ptr<AssetDoor> local_assets(const std::string& servo, const std::str
 /// Reports in a device's segment, waited for by the flag in the claim's.
 std::shared_ptr<ReportSource> local_reports(std::shared_ptr<const shm::Segment> device,
                                             std::shared_ptr<shm::Segment> claim,
-                                            const protocol::ClaimCapacity& capacity, shm::UniqueFd event);
+                                            const protocol::ClaimCapacity& capacity, shm::UniqueFd wake_fd);
 
 }  // namespace knurl::detail

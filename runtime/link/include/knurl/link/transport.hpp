@@ -38,8 +38,8 @@ class ReportSource {
     virtual void wait(std::chrono::nanoseconds timeout) noexcept = 0;
     /// Sleeps until the servo has ended another cycle, whatever was read, at most `timeout`.
     virtual void wait_cycle(std::chrono::nanoseconds timeout) noexcept = 0;
-    /// Readable when a report comes after rearm().
-    virtual int event() const noexcept = 0;
+    /// Readable when a report comes after rearm(), and at once if one came before it. Throws Error.
+    virtual int event() = 0;
     virtual void rearm() noexcept = 0;
     virtual Network network() const noexcept { return {}; }
 };

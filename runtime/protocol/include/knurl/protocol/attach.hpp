@@ -9,7 +9,7 @@
 ///     Hello              ->
 ///                        <-      Welcome + one report segment per device, or Refused
 ///     ClaimRequest       ->
-///                        <-      Claimed + {claim segment, event descriptor}, or Refused
+///                        <-      Claimed + {claim segment, socket to sleep on}, or Refused
 ///     Mapped             ->
 ///                        <-      Serving, or Refused
 ///     Release            ->      (or hang-up)
@@ -159,7 +159,8 @@ struct Frame {
     double force_scale = 1;
 };
 
-/// Answer to ClaimRequest; the claim's segment and the event descriptor come with it.
+/// Answer to ClaimRequest. With it come the claim's segment and a socket that is readable when a client who
+/// waits on it (shm::Waits::on_socket) is woken.
 struct Claimed {
     /// Magic number and type of the message.
     MessageHeader header{.type = MessageType::claimed};

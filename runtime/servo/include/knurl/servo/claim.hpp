@@ -3,6 +3,7 @@
 /// @file
 /// One client's hold on a device, as the servo sees it: its channels, its scene, its gain, its silence.
 
+#include <cstdint>
 #include <memory>
 
 #include <knurl/protocol/attach.hpp>
@@ -32,8 +33,8 @@ struct ClaimTerms {
     bool resets = false;
     /// True: others may hold the device as well.
     bool shared = false;
-    /// What the client sleeps on; it outlives the claim. -1: the waker wakes it.
-    int event_fd = -1;
+    /// Not 0: the servo's thread may wake the client itself; 0: the waker does.
+    std::int32_t woken_by_servo = 0;
 };
 
 /// A claim or observer of a device. The broker makes it (allocates, prefaults); from then on the servo's

@@ -60,14 +60,14 @@ class RequestRefused : public std::runtime_error {
     pid_t holder_pid;
 };
 
-/// What a granted client is sent. The descriptors stay the table's.
+/// What a granted client is sent.
 struct Grant {
     /// The answer.
     protocol::Claimed message;
-    /// The claim's segment.
+    /// The claim's segment; the descriptor stays the table's.
     int segment_fd = -1;
-    /// What the client sleeps on.
-    int event_fd = -1;
+    /// What the client may sleep on: its end of a pair of sockets. The servo keeps none of it.
+    shm::UniqueFd wake_fd;
 };
 
 /// Used by the broker's thread alone; the servo's thread touches only what adopt() handed to it.
@@ -119,6 +119,7 @@ class ClaimTable {
         returned,
         dropping,  // the servo's mailbox was full
         leaving,
+        clearing,  // a waker was waking its client when it was to be freed
     };
     struct RowAsset {
         enum class Stage : std::uint8_t { none, building, there, leaving } stage = Stage::none;
@@ -128,9 +129,10 @@ class ClaimTable {
         Stage stage = Stage::free;
         bool observer = false;
         bool shared = false;
+        bool trusted = false;  // its client could stop the servo anyway
         Peer peer;
         shm::Segment segment;
-        shm::UniqueFd event;
+        shm::UniqueFd wake_fd;  // our end of its pair of sockets
         std::uint64_t key = 0;
         std::array<RowAsset, max_assets> assets;  // outlive the claim, which refers to them
         std::unique_ptr<Claim> claim;
@@ -148,7 +150,7 @@ class ClaimTable {
     HostedDevice device_;
     shm::Waker& waker_;
     std::array<Row, protocol::max_clients> rows_;
-    std::uint32_t on_their_way_ = 0;  // rows in dropping or leaving
+    std::uint32_t on_their_way_ = 0;  // rows in dropping, leaving or clearing
 };
 
 }  // namespace knurl::servo

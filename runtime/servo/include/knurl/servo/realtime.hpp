@@ -30,6 +30,8 @@ inline constexpr int guardian_above_servo = 5;
 /// Stack of a thread (bytes). All memory is locked, so stacks are set explicitly. Sanitizers need more, and
 /// lock nothing.
 inline constexpr std::size_t thread_stack_bytes = 256 * 1024;
+/// The same for a thread that calls nothing deep, such as a waker's (bytes).
+inline constexpr std::size_t small_stack_bytes = 64 * 1024;
 
 /// Rights that are missing.
 struct Shortfalls {
@@ -70,6 +72,8 @@ struct ThreadOptions {
     int priority = 0;
     /// CPU; -1: any.
     int cpu = -1;
+    /// Stack (bytes).
+    std::size_t stack_bytes = thread_stack_bytes;
 };
 
 /// A thread with an explicit small stack. Where the priority is not allowed it runs without. Joins when
