@@ -2,6 +2,8 @@
 
 #include <atomic>
 #include <cerrno>
+#include <csignal>
+#include <memory>
 #include <random>
 
 #include <fcntl.h>
@@ -10,9 +12,11 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <knurl/protocol/asset.hpp>
 #include <knurl/shm/socket.hpp>
 #include <knurl/shm/waiter.hpp>
 
+#include "../lingering.hpp"
 #include "process_knurld.hpp"
 
 namespace knurl::test {
@@ -172,6 +176,92 @@ TEST(Hostile, AClientThatFillsWhatItSleepsOnHoldsUpNobody) {
     expect_alive(home);
     hostile.hang_up();
     EXPECT_TRUE(eventually([&] { return view.held_rows() == 0; }));
+}
+
+// Each of these descriptors keeps whoever closes it last for an hour. An answer within the patience of
+// RawClient shows that the broker did not.
+TEST(Hostile, DescriptorsThatTakeLongToCloseHoldUpNobody) {
+    const Home home;
+    const Knurld knurld(home);
+    const std::size_t before = descriptors_of(knurld.pid());
+    protocol::AssetOffer offer;
+    offer.number = 1;
+    offer.bytes = 4096;
+    protocol::Hello hello;
+    hello.layout = protocol::wire_hash();
+    std::vector<std::unique_ptr<Lingering>> made;
+    const auto descriptor = [&] { return made.emplace_back(std::make_unique<Lingering>())->fd(); };
+
+    {  // before the greeting, and after it
+        RawClient client(home);
+        client.send(hello, {descriptor()});
+        made.back()->let_go();
+        EXPECT_NE(text(client.answer()).find("carries descriptors"), std::string::npos);
+        EXPECT_TRUE(client.answer().hung_up);
+    }
+    expect_alive(home);
+    {
+        RawClient client(home);
+        ASSERT_TRUE(client.greet().welcome);
+        client.send(protocol::ClaimRequest{}, {descriptor(), descriptor()});
+        for (const auto& each : made) each->let_go();
+        EXPECT_NE(text(client.answer()).find("carries descriptors"), std::string::npos);
+    }
+    expect_alive(home);
+    {  // where one is due, for no claim and for a claim
+        RawClient client(home), holder(home);
+        ASSERT_TRUE(client.greet().welcome);
+        client.send(offer, {descriptor()});
+        made.back()->let_go();
+        EXPECT_NE(text(client.answer()).find("no claim"), std::string::npos);
+        ASSERT_TRUE(holder.greet().welcome);
+        const Answer held = holder.claim({.shared = 1});
+        ASSERT_TRUE(held.claimed) << text(held);
+        offer.key = held.claimed->key;
+        RawClient other(home);
+        ASSERT_TRUE(other.greet().welcome);
+        other.send(offer, {descriptor()});
+        made.back()->let_go();
+        EXPECT_NE(text(other.answer()).find("not sealed"), std::string::npos);
+    }
+    expect_alive(home);
+    {  // unread when it hangs up, behind a message that ends the connection, and while it is being built
+        RawClient silent(home), rude(home);
+        silent.send(hello, {descriptor()});
+        made.back()->let_go();
+        ASSERT_TRUE(rude.greet().welcome);
+        rude.send(protocol::MessageHeader{.type = protocol::MessageType::welcome});
+        rude.send(hello, {descriptor()});
+        made.back()->let_go();
+    }
+    expect_alive(home);
+    EXPECT_TRUE(eventually([&] { return descriptors_of(knurld.pid()) <= before; }))
+        << descriptors_of(knurld.pid()) << " descriptors, " << before << " before";
+}
+
+TEST(Hostile, DescriptorsThatTakeLongToCloseDoNotHoldUpTheEnd) {
+    const Home home;
+    Knurld knurld(home);
+    std::vector<std::unique_ptr<Lingering>> made;
+    std::vector<std::unique_ptr<RawClient>> clients;
+    // 30 callers: some wait to be accepted.
+    protocol::AssetForget nothing;
+    for (int i = 0; i < 30; ++i) {
+        made.push_back(std::make_unique<Lingering>());
+        clients.push_back(std::make_unique<RawClient>(home));
+        if (i < 8) {
+            ASSERT_TRUE(clients.back()->greet().welcome);
+            // The broker is stopped below, so that it does not read these first.
+        }
+    }
+    knurld.signal(SIGSTOP);
+    for (std::size_t i = 0; i < clients.size(); ++i) {
+        clients[i]->send(nothing, {made[i]->fd()});
+        made[i]->let_go();
+    }
+    knurld.signal(SIGTERM);
+    knurld.signal(SIGCONT);
+    EXPECT_EQ(knurld.wait(), 0);
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include <knurl/shm/segment.hpp>
 #include <knurl/shm/socket.hpp>
 
+#include "../lingering.hpp"
 #include "../refusal.hpp"
 
 namespace knurl::shm::socket_tests {
@@ -121,6 +122,40 @@ TEST_F(Socket, SaysThatAMessageWasTooLongAndKeepsNoneOfItsDescriptors) {
     const Received received = receive_message(servo_, buffer_);
     EXPECT_TRUE(received.truncated);
     EXPECT_TRUE(received.fds.empty());
+    EXPECT_EQ(open_descriptors(), before);
+}
+
+TEST_F(Socket, APlainMessageIsTaken) {
+    connect();
+    EXPECT_TRUE(receive_plain_message(servo_, buffer_).nothing);
+    ASSERT_TRUE(send_message(client_, bytes_of("one")));
+    ASSERT_TRUE(send_message(client_, bytes_of("three")));
+    const Received first = receive_plain_message(servo_, buffer_);
+    EXPECT_EQ(first.bytes, 3u);
+    EXPECT_FALSE(first.carries_descriptors || first.truncated || first.closed || first.nothing);
+    EXPECT_EQ(receive_plain_message(servo_, buffer_).bytes, 5u);
+    ASSERT_TRUE(send_message(client_, bytes_of(std::string(200, 'x'))));
+    EXPECT_TRUE(receive_plain_message(servo_, buffer_).truncated);
+    EXPECT_TRUE(receive_plain_message(servo_, buffer_).nothing) << "it is taken all the same";
+    client_.reset();
+    EXPECT_TRUE(receive_plain_message(servo_, buffer_).closed);
+}
+
+// The descriptor would keep whoever receives it, or throws it away, for an hour.
+TEST_F(Socket, AMessageWithADescriptorIsLeftWhereItIs) {
+    connect();
+    test::Lingering lingering;
+    const int fds[] = {lingering.fd()};
+    ASSERT_TRUE(send_message(client_, bytes_of("take"), fds));
+    lingering.let_go();
+    const std::size_t before = open_descriptors();
+    for (int i = 0; i < 2; ++i) {
+        const Received received = receive_plain_message(servo_, buffer_);
+        EXPECT_TRUE(received.carries_descriptors);
+        EXPECT_EQ(received.bytes, 4u);
+        EXPECT_EQ(std::memcmp(buffer_.data(), "take", 4), 0);
+        EXPECT_TRUE(received.fds.empty());
+    }
     EXPECT_EQ(open_descriptors(), before);
 }
 

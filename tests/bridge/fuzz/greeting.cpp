@@ -40,7 +40,7 @@ struct NoReports final : detail::ReportSource {
     std::uint64_t missed() const noexcept override { return 0; }
     void wait(std::chrono::nanoseconds) noexcept override {}
     void wait_cycle(std::chrono::nanoseconds) noexcept override {}
-    int event() const noexcept override { return -1; }
+    int event() override { return -1; }
     void rearm() noexcept override {}
 };
 

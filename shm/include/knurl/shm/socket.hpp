@@ -57,6 +57,8 @@ struct Received {
     bool truncated = false;
     /// True: this process has no descriptor left for those that came.
     bool descriptors_lost = false;
+    /// True: it carries descriptors, so it was left where it is (receive_plain_message).
+    bool carries_descriptors = false;
     /// True: nothing is there (Block::no).
     bool nothing = false;
 };
@@ -73,6 +75,15 @@ Received receive_message(int fd, std::span<std::byte> buffer, Block block = Bloc
 /// The same.
 inline Received receive_message(const UniqueFd& fd, std::span<std::byte> buffer, Block block = Block::yes) {
     return receive_message(fd.get(), buffer, block);
+}
+
+/// Takes the next message of a peer that is not trusted, if it carries no descriptors. Else its bytes are
+/// filled in and it is left in the socket: `carries_descriptors`. Descriptors that are received, or thrown away
+/// with the message, are closed by this thread, and the sender can make that take any time. Does not block.
+Received receive_plain_message(int fd, std::span<std::byte> buffer);
+/// The same.
+inline Received receive_plain_message(const UniqueFd& fd, std::span<std::byte> buffer) {
+    return receive_plain_message(fd.get(), buffer);
 }
 
 /// Who is at the other end, as the kernel recorded it when the connection was made.
