@@ -92,6 +92,11 @@ namespace {
 /// Duplicates the descriptor of a memfd after checking its exact size and its seals.
 UniqueFd received(int fd, std::size_t expected_bytes, int needed, const char* seals_by_name) {
     const std::string who = "received segment (descriptor " + std::to_string(fd) + ")";
+    // First: only memory has seals. Who offers another file may make every other call wait, also the close of
+    // a duplicate.
+    const int seals = ::fcntl(fd, F_GET_SEALS);
+    if (seals < 0 || (seals & needed) != needed)
+        throw std::runtime_error(who + ": it is not sealed; hand over a memfd with " + seals_by_name);
     UniqueFd own(::fcntl(fd, F_DUPFD_CLOEXEC, 0));
     if (!own) throw_errno(who + ": cannot duplicate", "hand over an open descriptor");
     struct stat status {};
@@ -100,9 +105,6 @@ UniqueFd received(int fd, std::size_t expected_bytes, int needed, const char* se
         static_cast<std::uint64_t>(status.st_size) != static_cast<std::uint64_t>(expected_bytes))
         throw std::runtime_error(who + ": has " + std::to_string(status.st_size) + " bytes instead of " +
                                  std::to_string(expected_bytes) + "; both sides must be built alike");
-    const int seals = ::fcntl(own.get(), F_GET_SEALS);
-    if (seals < 0 || (seals & needed) != needed)
-        throw std::runtime_error(who + ": it is not sealed; hand over a memfd with " + seals_by_name);
     return own;
 }
 

@@ -137,33 +137,47 @@ bool send_message(int fd, std::span<const std::byte> bytes, std::span<const int>
     return true;
 }
 
-Received receive_message(int fd, std::span<std::byte> buffer, Block block) {
-    Received result;
-    // Reserves for the most that a hostile sender can send: a later bad_alloc would leak its descriptors.
-    result.fds.reserve(max_fds);
-    iovec data{.iov_base = buffer.data(), .iov_len = buffer.size()};
-    alignas(cmsghdr) std::array<std::byte, CMSG_SPACE(max_fds * sizeof(int))> control{};
-    msghdr message{};
-    message.msg_iov = &data;
-    message.msg_iovlen = 1;
-    message.msg_control = control.data();
-    message.msg_controllen = control.size();
+namespace {
+
+/// recvmsg into `result`; false: there is no message.
+bool receive(int fd, msghdr& message, int flags, Received& result) {
     ssize_t n = -1;
     // When a peer hangs up with unread data of ours, the first read reports a reset, before the peer's own
     // data.
     bool reset = false;
     do {
-        n = ::recvmsg(fd, &message, MSG_CMSG_CLOEXEC | (block == Block::no ? MSG_DONTWAIT : 0));
+        n = ::recvmsg(fd, &message, flags);
     } while (n < 0 && (errno == EINTR || (errno == ECONNRESET && !std::exchange(reset, true))));
-    if (n < 0) {
-        if (errno == EAGAIN)
-            result.nothing = true;
-        else if (errno == ECONNRESET || errno == EPIPE || errno == ENOTCONN)
-            result.closed = true;
-        else
-            throw_errno("socket: cannot receive", "is the descriptor a connected socket?");
-        return result;
+    if (n >= 0) {
+        result.bytes = static_cast<std::size_t>(n);
+        return true;
     }
+    if (errno == EAGAIN)
+        result.nothing = true;
+    else if (errno == ECONNRESET || errno == EPIPE || errno == ENOTCONN)
+        result.closed = true;
+    else
+        throw_errno("socket: cannot receive", "is the descriptor a connected socket?");
+    return false;
+}
+
+/// The kernel lets nobody send more at once (SCM_MAX_FD).
+constexpr std::size_t most_fds_of_a_message = 253;
+
+/// A message with all of its descriptors.
+Received receive_whole(int fd, std::span<std::byte> buffer, Block block) {
+    Received result;
+    // Reserves for the most that a hostile sender can send: a later bad_alloc would leak its descriptors.
+    result.fds.reserve(most_fds_of_a_message);
+    iovec data{.iov_base = buffer.data(), .iov_len = buffer.size()};
+    alignas(cmsghdr) std::array<std::byte, CMSG_SPACE(most_fds_of_a_message * sizeof(int))> control{};
+    msghdr message{};
+    message.msg_iov = &data;
+    message.msg_iovlen = 1;
+    message.msg_control = control.data();
+    message.msg_controllen = control.size();
+    if (!receive(fd, message, MSG_CMSG_CLOEXEC | (block == Block::no ? MSG_DONTWAIT : 0), result))
+        return result;
     for (cmsghdr* header = CMSG_FIRSTHDR(&message); header != nullptr;
          header = CMSG_NXTHDR(&message, header)) {
         if (header->cmsg_level != SOL_SOCKET || header->cmsg_type != SCM_RIGHTS) continue;
@@ -174,11 +188,39 @@ Received receive_message(int fd, std::span<std::byte> buffer, Block block) {
             result.fds.emplace_back(received);
         }
     }
-    result.bytes = static_cast<std::size_t>(n);
     result.truncated = (message.msg_flags & (MSG_TRUNC | MSG_CTRUNC)) != 0;
     result.descriptors_lost = (message.msg_flags & MSG_CTRUNC) != 0;
-    result.closed = n == 0 && result.fds.empty() && !result.truncated;
+    result.closed = result.bytes == 0 && result.fds.empty() && !result.truncated;
+    return result;
+}
+
+}  // namespace
+
+Received receive_message(int fd, std::span<std::byte> buffer, Block block) {
+    Received result = receive_whole(fd, buffer, block);
+    result.truncated = result.truncated || result.fds.size() > max_fds;
     if (result.truncated) result.fds.clear();
+    return result;
+}
+
+Received receive_every_descriptor(int fd, std::span<std::byte> buffer) {
+    return receive_whole(fd, buffer, Block::no);
+}
+
+Received receive_plain_message(int fd, std::span<std::byte> buffer) {
+    Received result;
+    iovec data{.iov_base = buffer.data(), .iov_len = buffer.size()};
+    msghdr message{};
+    message.msg_iov = &data;
+    message.msg_iovlen = 1;
+    // Without room for descriptors the kernel installs none, and says that there were some. To look does not
+    // throw them away: the message in the socket still holds them.
+    if (!receive(fd, message, MSG_PEEK | MSG_DONTWAIT, result)) return result;
+    result.truncated = (message.msg_flags & MSG_TRUNC) != 0;
+    result.carries_descriptors = (message.msg_flags & MSG_CTRUNC) != 0;
+    if (result.carries_descriptors) return result;
+    result.closed = result.bytes == 0 && !result.truncated;
+    if (!result.closed) receive(fd, message, MSG_DONTWAIT, result);  // the same: nobody else reads here
     return result;
 }
 

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <vector>
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -13,6 +14,8 @@
 
 #include <knurl/shm/segment.hpp>
 #include <knurl/shm/socket.hpp>
+
+#include "../lingering.hpp"
 
 namespace knurl::shm::socket_tests {
 namespace {
@@ -132,14 +135,44 @@ TEST_F(Socket, SaysThatAMessageWasTooLongAndKeepsNoneOfItsDescriptors) {
     EXPECT_EQ(open_descriptors(), before);
 }
 
-TEST_F(Socket, AHostileSenderCannotFillOurDescriptorTable) {
+TEST_F(Socket, APlainMessageIsTaken) {
     connect();
-    // What send_message refuses, a hostile client does by itself: 200 descriptors at once.
-    constexpr std::size_t many = 200;
-    std::array<int, many> fds;
-    fds.fill(client_.get());
-    EXPECT_NE(error_of([&] { send_message(client_, bytes_of("x"), fds); }), "");
-    alignas(cmsghdr) std::array<std::byte, CMSG_SPACE(sizeof fds)> control{};
+    EXPECT_TRUE(receive_plain_message(servo_, buffer_).nothing);
+    ASSERT_TRUE(send_message(client_, bytes_of("one")));
+    ASSERT_TRUE(send_message(client_, bytes_of("three")));
+    const Received first = receive_plain_message(servo_, buffer_);
+    EXPECT_EQ(first.bytes, 3u);
+    EXPECT_FALSE(first.carries_descriptors || first.truncated || first.closed || first.nothing);
+    EXPECT_EQ(receive_plain_message(servo_, buffer_).bytes, 5u);
+    ASSERT_TRUE(send_message(client_, bytes_of(std::string(200, 'x'))));
+    EXPECT_TRUE(receive_plain_message(servo_, buffer_).truncated);
+    EXPECT_TRUE(receive_plain_message(servo_, buffer_).nothing) << "it is taken all the same";
+    client_.reset();
+    EXPECT_TRUE(receive_plain_message(servo_, buffer_).closed);
+}
+
+// The descriptor would keep whoever receives it, or throws it away, for an hour.
+TEST_F(Socket, AMessageWithADescriptorIsLeftWhereItIs) {
+    connect();
+    test::Lingering lingering;
+    const int fds[] = {lingering.fd()};
+    ASSERT_TRUE(send_message(client_, bytes_of("take"), fds));
+    lingering.let_go();
+    const std::size_t before = open_descriptors();
+    for (int i = 0; i < 2; ++i) {
+        const Received received = receive_plain_message(servo_, buffer_);
+        EXPECT_TRUE(received.carries_descriptors);
+        EXPECT_EQ(received.bytes, 4u);
+        EXPECT_EQ(std::memcmp(buffer_.data(), "take", 4), 0);
+        EXPECT_TRUE(received.fds.empty());
+    }
+    EXPECT_EQ(open_descriptors(), before);
+}
+
+// For a test: descriptors without send_message's bound.
+void send_many(int to, std::size_t many, int fd) {
+    std::vector<int> fds(many, fd);
+    std::vector<std::byte> control(CMSG_SPACE(many * sizeof(int)));
     char letter = 'x';
     iovec data{.iov_base = &letter, .iov_len = 1};
     msghdr message{};
@@ -150,9 +183,34 @@ TEST_F(Socket, AHostileSenderCannotFillOurDescriptorTable) {
     cmsghdr* header = CMSG_FIRSTHDR(&message);
     header->cmsg_level = SOL_SOCKET;
     header->cmsg_type = SCM_RIGHTS;
-    header->cmsg_len = CMSG_LEN(sizeof fds);
-    std::memcpy(CMSG_DATA(header), fds.data(), sizeof fds);
-    ASSERT_EQ(::sendmsg(client_.get(), &message, 0), 1);
+    header->cmsg_len = CMSG_LEN(many * sizeof(int));
+    std::memcpy(CMSG_DATA(header), fds.data(), many * sizeof(int));
+    ASSERT_EQ(::sendmsg(to, &message, 0), 1);
+}
+
+TEST_F(Socket, WhoMayBeHeldUpReceivesEveryDescriptorThatCanBeSent) {
+    connect();
+    constexpr std::size_t most = 253;
+    send_many(client_.get(), most, client_.get());
+    const std::size_t before = open_descriptors();
+    {
+        const Received received = receive_every_descriptor(servo_.get(), buffer_);
+        EXPECT_EQ(received.fds.size(), most);
+        EXPECT_FALSE(received.descriptors_lost);
+        EXPECT_EQ(open_descriptors(), before + most);
+    }
+    EXPECT_EQ(open_descriptors(), before);
+    EXPECT_TRUE(receive_every_descriptor(servo_.get(), buffer_).nothing);
+}
+
+TEST_F(Socket, AHostileSenderCannotFillOurDescriptorTable) {
+    connect();
+    // What send_message refuses, a hostile client does by itself: 200 descriptors at once.
+    constexpr std::size_t many = 200;
+    std::array<int, many> fds;
+    fds.fill(client_.get());
+    EXPECT_NE(error_of([&] { send_message(client_, bytes_of("x"), fds); }), "");
+    send_many(client_.get(), many, client_.get());
 
     const std::size_t before = open_descriptors();
     const Received received = receive_message(servo_, buffer_);

@@ -5,7 +5,7 @@
 
 namespace knurl::servo {
 
-void AssetService::offer(std::uint64_t connection, const protocol::AssetOffer& offer, shm::UniqueFd source,
+void AssetService::offer(std::uint64_t connection, const protocol::AssetOffer& offer, int socket,
                          Tables tables) {
     const auto [place, first] = waiting_.try_emplace(connection);
     if (!first)
@@ -16,20 +16,17 @@ void AssetService::offer(std::uint64_t connection, const protocol::AssetOffer& o
         if (offer.device >= tables.size())
             throw RequestRefused(fmt::format("asset: device {} of {}", offer.device, tables.size()));
         ClaimTable& table = *tables[offer.device];
-        shm::UniqueFd kept(::fcntl(source.get(), F_DUPFD_CLOEXEC, 0));
-        if (!kept)
+        shm::UniqueFd own(::fcntl(socket, F_DUPFD_CLOEXEC, 0));
+        if (!own)
             throw RequestRefused("asset: the servo has no descriptor left; see the limit of open files");
         const std::uint64_t budget = table.expect_asset(offer.key, offer.number, offer.bytes);
         expecting = &table;
-        place->second = {.device = offer.device,
-                         .number = offer.number,
-                         .key = offer.key,
-                         .bytes = offer.bytes,
-                         .source = std::move(kept)};
+        place->second = {
+            .device = offer.device, .number = offer.number, .key = offer.key, .bytes = offer.bytes};
         build_queue_.start({.ticket = connection,
                             .owner = offer.key,
                             .number = offer.number,
-                            .source = std::move(source),
+                            .connection = std::move(own),
                             .bytes = offer.bytes,
                             .budget = budget});
     } catch (...) {  // at worst out of memory: else the number would count as "being built" for ever
@@ -61,8 +58,11 @@ std::vector<AssetReply> AssetService::answers(Tables tables, const Recorded& rec
         if (found == waiting_.end()) continue;
         const Waiting waiting = std::move(found->second);
         waiting_.erase(found);
-        AssetReply reply{
-            .connection = result->ticket, .refusal = result->refusal, .ready = result->ready, .undo = {}};
+        AssetReply reply{.connection = result->ticket,
+                         .refusal = result->refusal,
+                         .ready = result->ready,
+                         .undo = {},
+                         .source = {}};
         reply.undo.device = waiting.device;
         reply.undo.number = waiting.number;
         reply.undo.key = waiting.key;
@@ -70,13 +70,14 @@ std::vector<AssetReply> AssetService::answers(Tables tables, const Recorded& rec
         if (result->asset) {
             try {
                 recorded(waiting.device, {.bytes = waiting.bytes, .digest = result->digest},
-                         waiting.source.get());
+                         result->source.get());
                 table.give_asset(waiting.key, waiting.number, std::move(result->asset), result->digest);
             } catch (const RequestRefused& refusal) {
                 reply.refusal = refusal.what();
             }
         }
         if (!reply.refusal.empty()) table.expect_no_asset(waiting.key, waiting.number);
+        reply.source = std::move(result->source);
         replies.push_back(std::move(reply));
     }
     return replies;

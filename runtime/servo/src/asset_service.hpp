@@ -23,6 +23,7 @@ struct AssetReply {
     std::string refusal;  // empty: ready
     protocol::AssetReady ready;
     protocol::AssetForget undo;  // for the case that the answer reaches nobody
+    shm::UniqueFd source;        // of a client, so who has the reply decides where it is closed
 };
 
 class AssetService {
@@ -30,11 +31,13 @@ class AssetService {
     using Tables = std::span<const std::unique_ptr<ClaimTable>>;
     explicit AssetService(std::string builder) : build_queue_(std::move(builder)) {}
 
-    /// Throws RequestRefused; then nothing has begun. One offer per connection at a time.
-    void offer(std::uint64_t connection, const protocol::AssetOffer& offer, shm::UniqueFd source,
-               Tables tables);
+    /// `socket`: the connection's, in which the message still is, for the builder to take. Throws
+    /// RequestRefused; then nothing has begun. One offer per connection at a time.
+    void offer(std::uint64_t connection, const protocol::AssetOffer& offer, int socket, Tables tables);
     /// The connection has closed: its asset is not built. False: it waited for none.
     bool cancel(std::uint64_t connection, Tables tables) noexcept;
+    /// Nothing more is built.
+    void end() noexcept { build_queue_.end(); }
     /// Throws RequestRefused.
     void forget(const protocol::AssetForget& message, Tables tables);
     /// Readable when answers() has something; -1: nothing is being built.
@@ -52,7 +55,6 @@ class AssetService {
         std::uint32_t device = 0, number = 0;
         std::uint64_t key = 0;  // of the claim, which may be gone when the asset is ready
         std::uint64_t bytes = 0;
-        shm::UniqueFd source;  // for recorders
     };
     BuildQueue build_queue_;
     std::unordered_map<std::uint64_t, Waiting> waiting_;  // by connection

@@ -52,6 +52,7 @@ struct Connection {
     shm::UniqueFd socket;
     SteadyClock::time_point since;
     bool greeted = false;
+    bool offering = false;  // an asset, which the builder takes: nothing is read here meanwhile
     Peer peer;
     std::vector<Holding> holdings;
     std::optional<std::size_t> recording;  // device
@@ -60,9 +61,17 @@ struct Connection {
 }  // namespace
 
 struct Broker::Impl {
-    explicit Impl(BrokerOptions stated) : options(std::move(stated)), assets(options.builder) {}
+    explicit Impl(BrokerOptions stated)
+        : options(std::move(stated)), closer(options.closer), assets(options.builder) {}
+    ~Impl() {
+        assets.end();  // it holds some of the sockets as well
+        for (auto& [id, connection] : connections) closer.close(std::move(connection.socket));
+    }
+    Impl(const Impl&) = delete;
+    Impl& operator=(const Impl&) = delete;
 
     BrokerOptions options;
+    Closer& closer;  // of every socket on which a client may have sent something
     AssetService assets;
     std::uint64_t watched_build = 0;
     shm::UniqueFd epoll{epoll_create1(EPOLL_CLOEXEC)};
@@ -84,6 +93,13 @@ struct Broker::Impl {
         if (epoll_ctl(epoll.get(), EPOLL_CTL_ADD, fd, &event) != 0) {
             throw std::runtime_error(fmt::format("knurld: epoll: {}", std::strerror(errno)));
         }
+    }
+
+    void set_offering(Connection& connection, std::uint64_t id, bool offering) {
+        connection.offering = offering;
+        // A hang-up is noticed in any case.
+        epoll_event event{.events = std::uint32_t{offering ? EPOLLRDHUP : EPOLLIN}, .data = {.u64 = id}};
+        epoll_ctl(epoll.get(), EPOLL_CTL_MOD, connection.socket.get(), &event);
     }
 
     /// While all half-open places are taken, further callers wait in the listening queue: none is refused.
@@ -112,6 +128,7 @@ struct Broker::Impl {
         Connection connection{.socket = std::move(socket),
                               .since = SteadyClock::now(),
                               .greeted = false,
+                              .offering = false,
                               .peer = {},
                               .holdings = {},
                               .recording = {}};
@@ -121,6 +138,7 @@ struct Broker::Impl {
                                fmt::format("servo \"{}\" has {} connections, which is all it takes; end one",
                                            options.servo_name, broker_bounds::connections));
             shm::send_message(connection.socket, bytes_of(no_place));
+            closer.close(std::move(connection.socket));
             return;
         }
         const std::uint64_t id = next_id++;
@@ -131,6 +149,7 @@ struct Broker::Impl {
             watch(connection.socket.get(), id);
         } catch (const std::runtime_error&) {
             pause_until = SteadyClock::now() + accept_pause;  // the kernel has no room for another connection
+            closer.close(std::move(connection.socket));
             return;
         }
         connections.emplace(id, std::move(connection));
@@ -141,7 +160,7 @@ struct Broker::Impl {
     void tell_one_why() {
         spare.reset();
         try {
-            if (const shm::UniqueFd socket = shm::accept_from(options.listener)) {
+            if (shm::UniqueFd socket = shm::accept_from(options.listener)) {
                 protocol::Refused no_descriptor{.full = 1};
                 protocol::put_text(no_descriptor.text,
                                    fmt::format("servo \"{}\" has no descriptor left for one more client; end "
@@ -149,6 +168,7 @@ struct Broker::Impl {
                                                "(ulimit -n; of the service: LimitNOFILE=)",
                                                options.servo_name));
                 shm::send_message(socket, bytes_of(no_descriptor));
+                closer.close(std::move(socket));
             }
         } catch (const std::runtime_error&) {  // the system is out of descriptors: the callers wait
         }
@@ -181,7 +201,10 @@ struct Broker::Impl {
         const bool built_for = assets.cancel(id, tables);
         if (const auto device = found->second.recording) recordings[*device].end(tables[*device]->device());
         if (!found->second.greeted) --half_open;
-        connections.erase(found);        // closing the socket takes it out of the epoll set
+        // Others hold the socket until the closer has closed it, so it leaves the epoll set now.
+        epoll_ctl(epoll.get(), EPOLL_CTL_DEL, found->second.socket.get(), nullptr);
+        closer.close(std::move(found->second.socket));
+        connections.erase(found);
         if (built_for) tell_builders();  // e.g. the builder of the next asset could not be started
     }
 
@@ -191,25 +214,24 @@ struct Broker::Impl {
             const auto found = connections.find(id);
             if (found == connections.end()) return;
             Connection& connection = found->second;
+            if (connection.offering) return close(id);  // it has hung up
             try {
                 Buffer buffer;
-                shm::Received received = shm::receive_message(connection.socket, buffer, shm::Block::no);
+                const shm::Received received = shm::receive_plain_message(connection.socket, buffer);
                 if (received.nothing) return;
                 if (received.closed) return close(id);
                 const bool with_asset =
-                    received.fds.size() == 1 && connection.greeted &&
+                    received.carries_descriptors && connection.greeted &&
                     type_of(buffer, received.bytes) == static_cast<std::uint32_t>(MessageType::asset_offer);
-                if (received.truncated || (!received.fds.empty() && !with_asset)) {
+                if (received.truncated || (received.carries_descriptors && !with_asset)) {
                     throw RequestRefused(
                         "attach: a message that is too long, or carries descriptors; is this a Knurl "
                         "client?");
                 }
-                if (with_asset) {
-                    offer(id, connection, read_message<protocol::AssetOffer>(buffer, received.bytes, "asset"),
-                          std::move(received.fds.front()));
-                } else if (!handle(connection, buffer, received.bytes)) {
-                    return close(id);
-                }
+                if (with_asset)
+                    return offer(id, connection,
+                                 read_message<protocol::AssetOffer>(buffer, received.bytes, "asset"));
+                if (!handle(connection, buffer, received.bytes)) return close(id);
             } catch (const RequestRefused& refusal) {
                 refuse(connection, refusal);
                 return close(id);
@@ -370,16 +392,13 @@ struct Broker::Impl {
         for (const std::uint64_t id : deaf) close(id);
     }
 
-    void offer(std::uint64_t id, const Connection& connection, const protocol::AssetOffer& message,
-               shm::UniqueFd source) {
-        // A refused offer leaves the connection open: the client may send another.
-        try {
-            assets.offer(id, message, std::move(source), tables);
-            watch_build();
-            tell_builders();  // the builder could not be started
-        } catch (const RequestRefused& refusal) {
-            refuse(connection, refusal);
-        }
+    /// The message with the descriptor stays in the socket until the builder takes it. Throws RequestRefused:
+    /// the connection ends, as nobody here may take it.
+    void offer(std::uint64_t id, Connection& connection, const protocol::AssetOffer& message) {
+        assets.offer(id, message, connection.socket.get(), tables);
+        set_offering(connection, id, true);
+        watch_build();
+        tell_builders();  // the builder could not be started
     }
 
     /// The build queue runs another process, or none.
@@ -411,13 +430,18 @@ struct Broker::Impl {
                 if (!sent) lost.push_back(id);
             }
         };
-        for (const AssetReply& reply : assets.answers(tables, record)) {
+        for (AssetReply& reply : assets.answers(tables, record)) {
+            closer.close(std::move(reply.source));
             const auto found = connections.find(reply.connection);
             const bool heard =
                 found != connections.end() &&
                 (reply.refusal.empty() ? shm::send_message(found->second.socket, bytes_of(reply.ready))
                                        : refuse(found->second, RequestRefused(reply.refusal)));
-            if (heard) continue;
+            if (heard && reply.refusal.empty()) {
+                set_offering(found->second, reply.connection, false);
+                continue;
+            }
+            // The builder may not have taken the offer out of the socket.
             close(reply.connection);
             if (reply.refusal.empty()) forget_quietly(reply.undo);
         }

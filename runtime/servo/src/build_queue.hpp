@@ -27,7 +27,7 @@ class BuildQueue {
         std::uint64_t ticket = 0;
         std::uint64_t owner = 0;  // owners take turns
         std::uint32_t number = 0;
-        shm::UniqueFd source;
+        shm::UniqueFd connection;  // its next message brings the source
         std::uint64_t bytes = 0;   // of the source
         std::uint64_t budget = 0;  // bytes, of the result and of its build
     };
@@ -36,6 +36,7 @@ class BuildQueue {
         std::unique_ptr<Asset> asset;  // null: refused
         protocol::AssetReady ready;
         protocol::AssetDigest digest = {};  // of the source
+        shm::UniqueFd source;               // sealed memory, with an asset
         std::string refusal;
     };
 
@@ -45,6 +46,8 @@ class BuildQueue {
 
     void start(Job job);
     void cancel(std::uint64_t ticket) noexcept;
+    /// Cancels all.
+    void end() noexcept;
     /// Readable when collect() has a result; belongs to the running process. -1: none runs.
     int event() const noexcept { return running_ ? running_->socket.get() : -1; }
     std::optional<Result> collect();
@@ -59,7 +62,7 @@ class BuildQueue {
     };
     void next();
     void end_process() noexcept;
-    void reap(bool wait) noexcept;
+    void reap() noexcept;
 
     std::string program_;
     FairQueue<Job> queue_;
@@ -69,8 +72,8 @@ class BuildQueue {
     std::vector<pid_t> ending_;  // killed: the kernel frees their memory, which takes a while
 };
 
-/// The main function of the builder's process: reads the source from descriptor 0 and answers through
-/// descriptor 1. Returns its exit code.
+/// The main function of the builder's process: receives the source from the client's connection, descriptor
+/// 0, and answers through descriptor 1. Returns its exit code.
 int build_asset_main(int argc, const char* const* argv);
 inline constexpr const char* build_asset_option = "--build-asset";
 

@@ -120,6 +120,7 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
 
 int knurld_main(int argc, const char* const* argv) {
     if (argc > 1 && std::string_view(argv[1]) == build_asset_option) return build_asset_main(argc, argv);
+    if (argc > 1 && std::string_view(argv[1]) == close_descriptors_option) return close_descriptors_main();
     return commandline::guarded([] { return "knurld"; },
                                 [&] {
                                     try {

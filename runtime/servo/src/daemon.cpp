@@ -71,7 +71,8 @@ void raise_descriptor_limit() {
 /// The listening socket and its name in the file system, which lives as long as this object.
 class Door {
   public:
-    Door(const std::string& servo_name, const std::string& group) : path_(protocol::socket_path(servo_name)) {
+    Door(const std::string& servo_name, const std::string& group, Closer& closer)
+        : path_(protocol::socket_path(servo_name)), closer_(closer) {
         const std::filesystem::path directory = std::filesystem::path(path_).parent_path();
         std::error_code failed;
         if (std::filesystem::create_directories(directory, failed)) {
@@ -100,7 +101,10 @@ class Door {
     }
     // The socket listens until its name is removed. A successor that starts in between finds a live socket.
     // Else it would take the socket for a dead one, and this unlink would remove the successor's.
-    ~Door() { unlink(path_.c_str()); }
+    ~Door() {
+        unlink(path_.c_str());
+        closer_.close(std::move(socket_));  // callers that were not answered may have sent descriptors
+    }
     Door(const Door&) = delete;
     Door& operator=(const Door&) = delete;
 
@@ -109,6 +113,7 @@ class Door {
 
   private:
     std::string path_;
+    Closer& closer_;
     shm::UniqueFd socket_;
 };
 
@@ -283,8 +288,9 @@ int run_daemon(const DaemonConfig& config) {
     raise_descriptor_limit();
     const int cpu = servo_cpu(config);
 
+    Closer closer;  // outlives whoever has sockets of clients
     // first: a second servo with this name must not touch the devices
-    Door door(config.name, config.socket_group);
+    Door door(config.name, config.socket_group, closer);
     std::vector<std::unique_ptr<Station>> stations = open_stations(config);
 
     Shortfalls missing;
@@ -293,7 +299,7 @@ int run_daemon(const DaemonConfig& config) {
 
     std::vector<GuardedDevice> guarded;
     for (const auto& station : stations) guarded.push_back({station->device.get(), station->segment.data()});
-    std::vector<int> not_for_the_guardian{door.socket().get(), signals.get()};
+    std::vector<int> not_for_the_guardian{door.socket().get(), signals.get(), closer.socket()};
     if (idle_polling) not_for_the_guardian.push_back(idle_polling.get());
     Guardian guardian(guarded, {.priority = raised(config.priority, guardian_above_servo),
                                 .servo_cpu = cpu,
@@ -325,7 +331,8 @@ int run_daemon(const DaemonConfig& config) {
     Broker broker({.servo_name = config.name,
                    .listener = shm::UniqueFd(fcntl(door.socket().get(), F_DUPFD_CLOEXEC, 0)),
                    .signals = std::move(signals),
-                   .guardian_pidfd = guardian.pidfd()},
+                   .guardian_pidfd = guardian.pidfd(),
+                   .closer = closer},
                   std::move(hosted), waker);
 
     // Destroyed in reverse order: loops, then the waker, then the claims that both used, then servos and

@@ -16,7 +16,7 @@
 
 namespace knurl::shm {
 
-/// A message carries at most this many descriptors; the kernel closes what a hostile sender adds.
+/// A message carries at most this many descriptors; one with more is received without any.
 inline constexpr std::size_t max_fds = 16;
 
 /// Listens at `path` with the file mode `mode`. A socket that a dead process left behind is replaced; throws
@@ -57,6 +57,8 @@ struct Received {
     bool truncated = false;
     /// True: this process has no descriptor left for those that came.
     bool descriptors_lost = false;
+    /// True: it carries descriptors, so it was left where it is (receive_plain_message).
+    bool carries_descriptors = false;
     /// True: nothing is there (Block::no).
     bool nothing = false;
 };
@@ -74,6 +76,19 @@ Received receive_message(int fd, std::span<std::byte> buffer, Block block = Bloc
 inline Received receive_message(const UniqueFd& fd, std::span<std::byte> buffer, Block block = Block::yes) {
     return receive_message(fd.get(), buffer, block);
 }
+
+/// Takes the next message of a peer that is not trusted, if it carries no descriptors. Else its bytes are
+/// filled in and it is left in the socket: `carries_descriptors`. Descriptors that are received, or thrown away
+/// with the message, are closed by this thread, and the sender can make that take any time. Does not block.
+Received receive_plain_message(int fd, std::span<std::byte> buffer);
+/// The same.
+inline Received receive_plain_message(const UniqueFd& fd, std::span<std::byte> buffer) {
+    return receive_plain_message(fd.get(), buffer);
+}
+
+/// Takes the next message of a peer that is not trusted, with every descriptor that it carries, and closes
+/// none: for a process that has to answer before closing them may hold it up. Does not block.
+Received receive_every_descriptor(int fd, std::span<std::byte> buffer);
 
 /// Who is at the other end, as the kernel recorded it when the connection was made.
 struct PeerCredentials {

@@ -8,7 +8,7 @@
 ///     client                     broker                      builder (a process of its own, idle priority)
 ///     Hello              ->
 ///                        <-      Welcome
-///     AssetOffer + memfd ->              source    ->
+///     AssetOffer + memfd -> looks at it ........... ->  takes it from the client's connection
 ///     (waits; a hang-up                            <-        the servo's form + notes, or why not
 ///      cancels)          <-      AssetReady, or Refused
 ///

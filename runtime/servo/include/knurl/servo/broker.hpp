@@ -11,6 +11,7 @@
 #include <vector>
 
 #include <knurl/servo/claim_table.hpp>
+#include <knurl/servo/closer.hpp>
 #include <knurl/shm/fd.hpp>
 #include <knurl/shm/waiter.hpp>
 
@@ -41,6 +42,8 @@ struct BrokerOptions {
     shm::UniqueFd signals;
     /// Readable when the guardian has died; -1: there is none.
     int guardian_pidfd = -1;
+    /// Closes connections.
+    Closer& closer;
     /// The program that answers --build-asset.
     std::string builder = "/proc/self/exe";
 };
