@@ -6,7 +6,6 @@
 #include <cstring>
 #include <stdexcept>
 #include <string>
-#include <thread>
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
@@ -41,24 +40,17 @@ class Lingering {
         while (::send(lingers_.get(), bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL) > 0) {
         }
     }
-    ~Lingering() {
-        let_go();
-        other_end_.reset();  // resets the connection: nobody lingers any more
-        closing_.join();
-    }
+    /// Resets the connection: nobody lingers any more.
+    ~Lingering() { other_end_.reset(); }
     Lingering(const Lingering&) = delete;
     Lingering& operator=(const Lingering&) = delete;
 
     int fd() const { return lingers_.get(); }
-    /// From now on only those hold it who received it, or in whose socket it waits. If they were quick, this
-    /// is the last one, so a thread closes it.
-    void let_go() {
-        if (lingers_) closing_ = std::thread([fd = lingers_.release()] { ::close(fd); });
-    }
+    /// From now on others alone hold it. The caller knows that somebody does: else this is the last close.
+    void let_go() { lingers_.reset(); }
 
   private:
     shm::UniqueFd other_end_, lingers_;
-    std::thread closing_;
 };
 
 }  // namespace knurl::test

@@ -92,6 +92,11 @@ namespace {
 /// Duplicates the descriptor of a memfd after checking its exact size and its seals.
 UniqueFd received(int fd, std::size_t expected_bytes, int needed, const char* seals_by_name) {
     const std::string who = "received segment (descriptor " + std::to_string(fd) + ")";
+    // First: only memory has seals. Who offers another file may make every other call wait, also the close of
+    // a duplicate.
+    const int seals = ::fcntl(fd, F_GET_SEALS);
+    if (seals < 0 || (seals & needed) != needed)
+        throw std::runtime_error(who + ": it is not sealed; hand over a memfd with " + seals_by_name);
     UniqueFd own(::fcntl(fd, F_DUPFD_CLOEXEC, 0));
     if (!own) throw_errno(who + ": cannot duplicate", "hand over an open descriptor");
     // First: only memory has seals. Who offers another file may make every other look at it wait.

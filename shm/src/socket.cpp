@@ -161,14 +161,16 @@ bool receive(int fd, msghdr& message, int flags, Received& result) {
     return false;
 }
 
-}  // namespace
+/// The kernel lets nobody send more at once (SCM_MAX_FD).
+constexpr std::size_t most_fds_of_a_message = 253;
 
-Received receive_message(int fd, std::span<std::byte> buffer, Block block) {
+/// A message with all of its descriptors.
+Received receive_whole(int fd, std::span<std::byte> buffer, Block block) {
     Received result;
     // Reserves for the most that a hostile sender can send: a later bad_alloc would leak its descriptors.
-    result.fds.reserve(max_fds);
+    result.fds.reserve(most_fds_of_a_message);
     iovec data{.iov_base = buffer.data(), .iov_len = buffer.size()};
-    alignas(cmsghdr) std::array<std::byte, CMSG_SPACE(max_fds * sizeof(int))> control{};
+    alignas(cmsghdr) std::array<std::byte, CMSG_SPACE(most_fds_of_a_message * sizeof(int))> control{};
     msghdr message{};
     message.msg_iov = &data;
     message.msg_iovlen = 1;
@@ -189,8 +191,20 @@ Received receive_message(int fd, std::span<std::byte> buffer, Block block) {
     result.truncated = (message.msg_flags & (MSG_TRUNC | MSG_CTRUNC)) != 0;
     result.descriptors_lost = (message.msg_flags & MSG_CTRUNC) != 0;
     result.closed = result.bytes == 0 && result.fds.empty() && !result.truncated;
+    return result;
+}
+
+}  // namespace
+
+Received receive_message(int fd, std::span<std::byte> buffer, Block block) {
+    Received result = receive_whole(fd, buffer, block);
+    result.truncated = result.truncated || result.fds.size() > max_fds;
     if (result.truncated) result.fds.clear();
     return result;
+}
+
+Received receive_every_descriptor(int fd, std::span<std::byte> buffer) {
+    return receive_whole(fd, buffer, Block::no);
 }
 
 Received receive_plain_message(int fd, std::span<std::byte> buffer) {

@@ -3,8 +3,12 @@
 #include <atomic>
 #include <cerrno>
 #include <csignal>
+#include <fstream>
 #include <memory>
 #include <random>
+#include <stdexcept>
+#include <string>
+#include <vector>
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -178,90 +182,156 @@ TEST(Hostile, AClientThatFillsWhatItSleepsOnHoldsUpNobody) {
     EXPECT_TRUE(eventually([&] { return view.held_rows() == 0; }));
 }
 
-// Each of these descriptors keeps whoever closes it last for an hour. An answer within the patience of
-// RawClient shows that the broker did not.
-TEST(Hostile, DescriptorsThatTakeLongToCloseHoldUpNobody) {
-    const Home home;
-    const Knurld knurld(home);
+/// While it lives, the process is stopped.
+class Stopped {
+  public:
+    explicit Stopped(const Program& program) : program_(program) {
+        program.signal(SIGSTOP);
+        const bool stopped = eventually([&] {
+            std::ifstream file("/proc/" + std::to_string(program.pid()) + "/stat");
+            std::string line;
+            std::getline(file, line);
+            return line.find(") T ") != std::string::npos;
+        });
+        if (!stopped) throw std::runtime_error("the servo does not stop");
+    }
+    ~Stopped() { program_.signal(SIGCONT); }
+    Stopped(const Stopped&) = delete;
+    Stopped& operator=(const Stopped&) = delete;
+
+  private:
+    const Program& program_;
+};
+
+/// Each of these descriptors keeps whoever closes it last for an hour. An answer within the patience of
+/// RawClient shows that the broker did not.
+class SlowToClose : public ::testing::Test {
+  protected:
+    /// Sends a message with descriptors that nobody else holds when the servo looks at it.
+    template <class Message>
+    void give(RawClient& client, const Message& message, int count = 1) {
+        const Stopped stopped(knurld);
+        std::vector<int> fds;
+        for (int i = 0; i < count; ++i) fds.push_back(made.emplace_back(std::make_unique<Lingering>())->fd());
+        ASSERT_TRUE(client.send(message, fds));
+        for (const auto& each : made) each->let_go();
+    }
+    Answer held(RawClient& client) {
+        EXPECT_TRUE(client.greet().welcome);
+        return client.claim({.shared = 1});
+    }
+
+    Home home;
+    Knurld knurld{home};
     const std::size_t before = descriptors_of(knurld.pid());
+    std::vector<std::unique_ptr<Lingering>> made;
+    protocol::AssetForget no_answer;
+};
+
+TEST_F(SlowToClose, WhereNoneIsDueTheyHoldUpNobody) {
+    protocol::Hello hello;
+    hello.layout = protocol::wire_hash();
+    RawClient stranger(home), client(home), two(home);
+    give(stranger, hello);
+    EXPECT_NE(text(stranger.answer()).find("carries descriptors"), std::string::npos);
+    EXPECT_TRUE(stranger.answer().hung_up);
+    expect_alive(home);
+    ASSERT_TRUE(client.greet().welcome);
+    give(client, no_answer);
+    EXPECT_NE(text(client.answer()).find("carries descriptors"), std::string::npos);
+    expect_alive(home);
+    ASSERT_TRUE(two.greet().welcome);
+    give(two, protocol::ClaimRequest{}, 2);
+    EXPECT_NE(text(two.answer()).find("carries descriptors"), std::string::npos);
+    expect_alive(home);
+    EXPECT_TRUE(eventually([&] { return descriptors_of(knurld.pid()) <= before; }));
+}
+
+TEST_F(SlowToClose, WhereOneIsDueTheyHoldUpNobody) {
+    RawClient holder(home), guess(home), offering(home), two(home);
+    const Answer claim = held(holder);
+    ASSERT_TRUE(claim.claimed) << text(claim);
     protocol::AssetOffer offer;
     offer.number = 1;
     offer.bytes = 4096;
-    protocol::Hello hello;
-    hello.layout = protocol::wire_hash();
-    std::vector<std::unique_ptr<Lingering>> made;
-    const auto descriptor = [&] { return made.emplace_back(std::make_unique<Lingering>())->fd(); };
-
-    {  // before the greeting, and after it
-        RawClient client(home);
-        client.send(hello, {descriptor()});
-        made.back()->let_go();
-        EXPECT_NE(text(client.answer()).find("carries descriptors"), std::string::npos);
-        EXPECT_TRUE(client.answer().hung_up);
-    }
+    for (RawClient* client : {&guess, &offering, &two}) ASSERT_TRUE(client->greet().welcome);
+    give(guess, offer);
+    EXPECT_NE(text(guess.answer()).find("no claim"), std::string::npos);
     expect_alive(home);
-    {
-        RawClient client(home);
-        ASSERT_TRUE(client.greet().welcome);
-        client.send(protocol::ClaimRequest{}, {descriptor(), descriptor()});
-        for (const auto& each : made) each->let_go();
-        EXPECT_NE(text(client.answer()).find("carries descriptors"), std::string::npos);
-    }
+    offer.key = claim.claimed->key;
+    give(offering, offer);
+    EXPECT_NE(text(offering.answer()).find("not sealed"), std::string::npos);
     expect_alive(home);
-    {  // where one is due, for no claim and for a claim
-        RawClient client(home), holder(home);
-        ASSERT_TRUE(client.greet().welcome);
-        client.send(offer, {descriptor()});
-        made.back()->let_go();
-        EXPECT_NE(text(client.answer()).find("no claim"), std::string::npos);
-        ASSERT_TRUE(holder.greet().welcome);
-        const Answer held = holder.claim({.shared = 1});
-        ASSERT_TRUE(held.claimed) << text(held);
-        offer.key = held.claimed->key;
-        RawClient other(home);
-        ASSERT_TRUE(other.greet().welcome);
-        other.send(offer, {descriptor()});
-        made.back()->let_go();
-        EXPECT_NE(text(other.answer()).find("not sealed"), std::string::npos);
-    }
+    give(two, offer, shm::max_fds);
+    EXPECT_NE(text(two.answer()).find("one descriptor"), std::string::npos);
     expect_alive(home);
-    {  // unread when it hangs up, behind a message that ends the connection, and while it is being built
-        RawClient silent(home), rude(home);
-        silent.send(hello, {descriptor()});
-        made.back()->let_go();
-        ASSERT_TRUE(rude.greet().welcome);
-        rude.send(protocol::MessageHeader{.type = protocol::MessageType::welcome});
-        rude.send(hello, {descriptor()});
-        made.back()->let_go();
-    }
-    expect_alive(home);
-    EXPECT_TRUE(eventually([&] { return descriptors_of(knurld.pid()) <= before; }))
-        << descriptors_of(knurld.pid()) << " descriptors, " << before << " before";
 }
 
-TEST(Hostile, DescriptorsThatTakeLongToCloseDoNotHoldUpTheEnd) {
-    const Home home;
-    Knurld knurld(home);
-    std::vector<std::unique_ptr<Lingering>> made;
-    std::vector<std::unique_ptr<RawClient>> clients;
-    // 30 callers: some wait to be accepted.
-    protocol::AssetForget nothing;
-    for (int i = 0; i < 30; ++i) {
+TEST_F(SlowToClose, UnreadTheyHoldUpNobody) {
+    auto silent = std::make_unique<RawClient>(home), rude = std::make_unique<RawClient>(home);
+    {
+        // It hangs up before it is looked at.
+        give(*silent, no_answer);
+        const Stopped stopped(knurld);
+        silent.reset();
+    }
+    expect_alive(home);
+    ASSERT_TRUE(rude->greet().welcome);
+    {
+        // It waits behind a message that ends the connection.
+        const Stopped stopped(knurld);
+        rude->send(protocol::MessageHeader{.type = protocol::MessageType::welcome});
         made.push_back(std::make_unique<Lingering>());
-        clients.push_back(std::make_unique<RawClient>(home));
-        if (i < 8) {
-            ASSERT_TRUE(clients.back()->greet().welcome);
-            // The broker is stopped below, so that it does not read these first.
+        rude->send(no_answer, {made.back()->fd()});
+        made.back()->let_go();
+    }
+    EXPECT_TRUE(rude->answer().refused);
+    expect_alive(home);
+    EXPECT_TRUE(eventually([&] { return descriptors_of(knurld.pid()) <= before; }));
+}
+
+TEST_F(SlowToClose, TheyDoNotHoldUpTheEnd) {
+    // 30 callers: some wait to be accepted.
+    std::vector<std::unique_ptr<RawClient>> clients;
+    for (int i = 0; i < 30; ++i) clients.push_back(std::make_unique<RawClient>(home));
+    {
+        const Stopped stopped(knurld);
+        for (const auto& client : clients) {
+            made.push_back(std::make_unique<Lingering>());
+            client->send(no_answer, {made.back()->fd()});
+            made.back()->let_go();
         }
+        knurld.signal(SIGTERM);
     }
-    knurld.signal(SIGSTOP);
-    for (std::size_t i = 0; i < clients.size(); ++i) {
-        clients[i]->send(nothing, {made[i]->fd()});
-        made[i]->let_go();
-    }
-    knurld.signal(SIGTERM);
-    knurld.signal(SIGCONT);
     EXPECT_EQ(knurld.wait(), 0);
+}
+
+TEST_F(SlowToClose, ACloserThatDiesIsReplaced) {
+    const auto closers = [&] {
+        std::vector<pid_t> found;
+        std::ifstream children("/proc/" + std::to_string(knurld.pid()) + "/task/" +
+                               std::to_string(knurld.pid()) + "/children");
+        for (pid_t child = 0; children >> child;) {
+            std::string name;
+            std::getline(std::ifstream("/proc/" + std::to_string(child) + "/comm") >> std::ws, name);
+            if (name == "knurl-closer") found.push_back(child);
+        }
+        return found;
+    };
+    ASSERT_TRUE(eventually([&] { return closers().size() == 1; }));
+    const pid_t first = closers().front();
+    ASSERT_EQ(::kill(first, SIGKILL), 0);
+    EXPECT_TRUE(eventually([&] {
+        RawClient client(home);  // its end is the closer's work
+        EXPECT_TRUE(client.greet().welcome);
+        const std::vector<pid_t> now = closers();
+        return now.size() == 1 && now.front() != first;
+    }));
+    RawClient client(home);
+    give(client, no_answer);
+    EXPECT_TRUE(client.answer().refused);
+    expect_alive(home);
+    EXPECT_TRUE(eventually([&] { return descriptors_of(knurld.pid()) <= before; }));
 }
 
 }  // namespace

@@ -24,14 +24,6 @@ namespace knurl::servo {
 
 namespace {
 
-shm::UniqueFd receive_source() {
-    Buffer offer;
-    shm::Received received = shm::receive_message(STDIN_FILENO, offer, shm::Block::no);
-    if (received.fds.size() != 1)
-        throw std::runtime_error("asset: an offer brings one descriptor, of the memory that holds the shape");
-    return std::move(received.fds.front());
-}
-
 shm::UniqueFd build(int source_fd, std::uint64_t bytes, std::uint64_t budget, AssetAnswer& answer) {
     const shm::Segment source = shm::Segment::open_sealed(source_fd, bytes);
     const BuiltAsset built = build_asset({source.data(), source.size()}, budget);
@@ -51,7 +43,9 @@ shm::UniqueFd build(int source_fd, std::uint64_t bytes, std::uint64_t budget, As
 int build_asset_main(int argc, const char* const* argv) {
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
     AssetAnswer answer;
-    shm::UniqueFd source, block;
+    // Whatever it is, it is closed behind the answer: that may take any time.
+    shm::Received offer;
+    shm::UniqueFd block;
     const auto fail = [&](const char* why) {
         answer.refused = 1;
         protocol::put_text(answer.text, why);
@@ -59,15 +53,19 @@ int build_asset_main(int argc, const char* const* argv) {
     try {
         if (argc != 4)
             throw std::runtime_error("asset: its builder is called as knurld calls it, by nobody else");
-        source = receive_source();
-        block = build(source.get(), std::strtoull(argv[2], nullptr, 10), std::strtoull(argv[3], nullptr, 10),
-                      answer);
+        Buffer unused;
+        offer = shm::receive_every_descriptor(STDIN_FILENO, unused);
+        if (offer.fds.size() != 1)
+            throw std::runtime_error(
+                "asset: an offer brings one descriptor, of the memory that holds the shape");
+        block = build(offer.fds.front().get(), std::strtoull(argv[2], nullptr, 10),
+                      std::strtoull(argv[3], nullptr, 10), answer);
     } catch (const std::bad_alloc&) {
         fail("asset: the machine has no memory to build it; send a smaller shape");
     } catch (const std::exception& error) {
         fail(error.what());
     }
-    const std::array both{block.get(), source.get()};
+    const std::array both{block.get(), block ? offer.fds.front().get() : -1};
     const std::span<const int> fds = block ? std::span<const int>(both) : std::span<const int>();
     return shm::send_message(STDOUT_FILENO, std::as_bytes(std::span(&answer, 1)), fds) ? 0 : 1;
 }

@@ -16,7 +16,7 @@
 
 namespace knurl::shm {
 
-/// A message carries at most this many descriptors; the kernel closes what a hostile sender adds.
+/// A message carries at most this many descriptors; one with more is received without any.
 inline constexpr std::size_t max_fds = 16;
 
 /// Listens at `path` with the file mode `mode`. A socket that a dead process left behind is replaced; throws
@@ -85,6 +85,10 @@ Received receive_plain_message(int fd, std::span<std::byte> buffer);
 inline Received receive_plain_message(const UniqueFd& fd, std::span<std::byte> buffer) {
     return receive_plain_message(fd.get(), buffer);
 }
+
+/// Takes the next message of a peer that is not trusted, with every descriptor that it carries, and closes
+/// none: for a process that has to answer before closing them may hold it up. Does not block.
+Received receive_every_descriptor(int fd, std::span<std::byte> buffer);
 
 /// Who is at the other end, as the kernel recorded it when the connection was made.
 struct PeerCredentials {
