@@ -2,6 +2,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <vector>
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -159,14 +160,10 @@ TEST_F(Socket, AMessageWithADescriptorIsLeftWhereItIs) {
     EXPECT_EQ(open_descriptors(), before);
 }
 
-TEST_F(Socket, AHostileSenderCannotFillOurDescriptorTable) {
-    connect();
-    // What send_message refuses, a hostile client does by itself: 200 descriptors at once.
-    constexpr std::size_t many = 200;
-    std::array<int, many> fds;
-    fds.fill(client_.get());
-    EXPECT_NE(test::refusal_of([&] { send_message(client_, bytes_of("x"), fds); }), "accepted");
-    alignas(cmsghdr) std::array<std::byte, CMSG_SPACE(sizeof fds)> control{};
+// For a test: descriptors without send_message's bound.
+void send_many(int to, std::size_t many, int fd) {
+    std::vector<int> fds(many, fd);
+    std::vector<std::byte> control(CMSG_SPACE(many * sizeof(int)));
     char letter = 'x';
     iovec data{.iov_base = &letter, .iov_len = 1};
     msghdr message{};
@@ -177,9 +174,34 @@ TEST_F(Socket, AHostileSenderCannotFillOurDescriptorTable) {
     cmsghdr* header = CMSG_FIRSTHDR(&message);
     header->cmsg_level = SOL_SOCKET;
     header->cmsg_type = SCM_RIGHTS;
-    header->cmsg_len = CMSG_LEN(sizeof fds);
-    std::memcpy(CMSG_DATA(header), fds.data(), sizeof fds);
-    ASSERT_EQ(::sendmsg(client_.get(), &message, 0), 1);
+    header->cmsg_len = CMSG_LEN(many * sizeof(int));
+    std::memcpy(CMSG_DATA(header), fds.data(), many * sizeof(int));
+    ASSERT_EQ(::sendmsg(to, &message, 0), 1);
+}
+
+TEST_F(Socket, WhoMayBeHeldUpReceivesEveryDescriptorThatCanBeSent) {
+    connect();
+    constexpr std::size_t most = 253;
+    send_many(client_.get(), most, client_.get());
+    const std::size_t before = open_descriptors();
+    {
+        const Received received = receive_every_descriptor(servo_.get(), buffer_);
+        EXPECT_EQ(received.fds.size(), most);
+        EXPECT_FALSE(received.descriptors_lost);
+        EXPECT_EQ(open_descriptors(), before + most);
+    }
+    EXPECT_EQ(open_descriptors(), before);
+    EXPECT_TRUE(receive_every_descriptor(servo_.get(), buffer_).nothing);
+}
+
+TEST_F(Socket, AHostileSenderCannotFillOurDescriptorTable) {
+    connect();
+    // What send_message refuses, a hostile client does by itself: 200 descriptors at once.
+    constexpr std::size_t many = 200;
+    std::array<int, many> fds;
+    fds.fill(client_.get());
+    EXPECT_NE(test::refusal_of([&] { send_message(client_, bytes_of("x"), fds); }), "accepted");
+    send_many(client_.get(), many, client_.get());
 
     const std::size_t before = open_descriptors();
     const Received received = receive_message(servo_, buffer_);
