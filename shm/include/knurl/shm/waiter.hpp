@@ -150,19 +150,26 @@ struct Waiting {
     /// Its flag.
     std::uint64_t how = 0;
 };
-/// The servo calls it after publishing. The fence is inside. Costs a fence and a load per flag.
+/// The servo calls it after publishing. The fence is inside. Costs a fence and a load per flag while nobody
+/// waits.
 inline Waiting who_waits(std::span<const WakeTarget> wake_targets) noexcept {
     fence_after_publish<>();
+    const auto how = [](const WakeTarget& each) {
+        return HardwareMemory::load(each.flag->waiting, std::memory_order::relaxed);
+    };
+    std::uint64_t anyone = 0;
+    for (const WakeTarget& each : wake_targets) anyone |= how(each);
     Waiting found;
+    if (anyone == 0) return found;
+    // A flag that is raised between the two looks counts as well; no flag that was raised before is missed.
     for (std::size_t i = 0; i < wake_targets.size(); ++i) {
-        const std::uint64_t how =
-            HardwareMemory::load(wake_targets[i].flag->waiting, std::memory_order::relaxed);
-        if (how == 0) continue;
+        const std::uint64_t waits = how(wake_targets[i]);
+        if (waits == 0) continue;
         ++found.count;
         if (!wake_targets[i].trusted) continue;
         ++found.trusted;
         found.last = i;
-        found.how = how;
+        found.how = waits;
     }
     return found;
 }
