@@ -33,6 +33,7 @@ import readme
 ROOT = readme.ROOT
 MARK = re.compile(r"\s*<!-- (file|source): (\S+) -->\s*$|\s*<!-- (run|prints) -->\s*$")
 NUMBER = re.compile(r"(?<![A-Za-z_.])[-+]?\d+(\.\d+)?(e[-+]?\d+)?")
+STAMP = re.compile(r"\d{8}T\d{6}(\.\d+)?")  # of a file's name, at any hour
 ABSOLUTE = re.compile(r"(?<![\w.])(/[\w.+-]+){2,}")
 TIMEOUT = 100  # s, of one block of commands
 
@@ -90,7 +91,7 @@ def extract(folder):
 
 def shape_of(line):
     """A line as it is compared: numbers are alike, and so are absolute paths and any white space."""
-    return " ".join(NUMBER.sub("#", ABSOLUTE.sub("/", line)).split())
+    return " ".join(NUMBER.sub("#", STAMP.sub("#", ABSOLUTE.sub("/", line))).split())
 
 
 def not_printed(text, output):

@@ -84,18 +84,20 @@ struct ClearOfPlanes {
     bool alone = false;  // the set has only them, and none was touched in the last cycle
 };
 
-/// Where the proxies of a set's layers were at the end of the last cycle that took time.
+/// Where the proxies of a probe's layers were at the end of the last cycle that took time. Single precision: they
+/// say which layers lay behind a face, and by how much to 1e-10 m.
 struct LayerProxies {
-    std::array<double, max_layers> stiffness{};       // N/m, softest first
-    std::array<Eigen::Vector3d, max_layers> proxy{};  // m, world
+    std::array<float, max_layers> stiffness{};             // N/m, softest first
+    std::array<Eigen::Vector3f, max_layers> from_probe{};  // m
     std::uint32_t count = 0;
 
-    /// Of the surfaces that are as stiff or stiffer. `free`: where there were none. (Stiffnesses change a little from
-    /// cycle to cycle while surfaces are silent.)
-    const Eigen::Vector3d& of(double k, const Eigen::Vector3d& free) const noexcept {
+    /// m, from the probe then: of the surfaces that are as stiff or stiffer. Zero where there were none.
+    /// (Stiffnesses change a little from cycle to cycle while surfaces are silent.)
+    Eigen::Vector3d of(double k) const noexcept {
         std::uint32_t at = 0;
         while (at < count && stiffness[at] < 0.99 * k) ++at;
-        return at < count ? proxy[at] : free;
+        if (at == count) return Eigen::Vector3d::Zero();
+        return from_probe[at].cast<double>();
     }
 };
 
@@ -116,11 +118,9 @@ struct ContactSet {
     double slack = 0;                     // m, added to their bounds: the proxy may get so far
     double scale = 1;                     // the common weight of all members, if there is one
     std::array<Layer, max_layers> layer;  // softest (all members) first
-    // Of the last cycle that took time: the proxy relative to the probe (m), the slot that held it alone,
-    // and all layers' proxies.
+    // Of the last cycle that took time: the proxy relative to the probe (m), and the slot that held it alone.
     Eigen::Vector3d held = Eigen::Vector3d::Zero();
     std::uint32_t held_by = 0xffffffff;
-    LayerProxies last;
     bool led = false;  // in the last cycle that took time the proxy followed a path: see ProxyPath
     Eigen::Vector3d reached = Eigen::Vector3d::Zero();  // m: the end of the proxy's path in this cycle
     // Last cycle's result.
@@ -213,6 +213,7 @@ struct ContactState {
     FrozenPlane frozen_plane;
     TangentialState tangential;
     SetChange change;
+    LayerProxies last;
     Eigen::Vector3d force = Eigen::Vector3d::Zero();     // last cycle's blend, without tangential forces
     Eigen::Vector3d position = Eigen::Vector3d::Zero();  // of the probe in the last cycle
 

@@ -204,8 +204,8 @@ class ContactStage {
     void remember_proxy(ContactSet& set) noexcept;
 
     // scene_gaps.cpp
-    void begin_gap(ContactSet& set, const Eigen::Vector3d& probe, Record& r, std::uint32_t member) noexcept;
-    static void remember_layers(ContactSet& set) noexcept;
+    void begin_gap(ContactSet& set, const Eigen::Vector3d& probe, std::uint32_t member) noexcept;
+    static void remember_layers(ContactState& contact, const Eigen::Vector3d& probe) noexcept;
     bool lower_by_gaps(const ContactSet& set, const Layer& layer, PlanesApart& apart) noexcept;
     void close_gaps(ContactSet& set) noexcept;
 

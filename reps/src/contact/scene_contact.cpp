@@ -354,6 +354,7 @@ void ContactStage::stay_clear(ContactState& contact, const Vector3d& p) const no
     const Vector3d force = contact.fade.under_way ? cross_fade(p, dt) : contact.now.force;
     contact.force = force;
     if (state_.any_follows && dt > 0) {
+        remember_layers(contact, probe.position);
         remember_proxy(contact.now);
         close_gaps(contact.now);
         if (contact.fade.under_way) {

@@ -95,7 +95,6 @@ void ContactSets::begin_fade(std::uint32_t p, std::span<const std::uint32_t> ren
     contact.old.held = contact.now.held;
     contact.old.held_by = contact.now.held_by;
     contact.old.led = contact.now.led;
-    contact.old.last = contact.now.last;
     for (const std::uint32_t i : renewed) {
         SetSlot& slot = slots_[i];
         if (slot.old_in_fade == 0 && slot.old_surface_of == static_cast<std::int32_t>(p))

@@ -22,21 +22,23 @@ namespace {
 
 constexpr double nowhere = -std::numeric_limits<double>::infinity();
 
-bool holds_below(const ContactSet& set, const Layer& layer, const Record& r) noexcept {
-    return layer.stiffness > r.gap.softer * r.stiffness * own_weight(set, r.weight) * (1 + 1e-12);
+bool holds_below(const ContactSet& set, const Layer& layer, const Record& r, const Gap& gap) noexcept {
+    return layer.stiffness > gap.softer * r.stiffness * own_weight(set, r.weight) * (1 + 1e-12);
 }
 
 }  // namespace
 
 // The surface has just been entered. The layers are solved without it still.
-void ContactStage::begin_gap(ContactSet& set, const Vector3d& p, Record& r, std::uint32_t i) noexcept {
+void ContactStage::begin_gap(ContactSet& set, const Vector3d& p, std::uint32_t i) noexcept {
     const Arena& a = sets_.arena();
-    r.gap = {};
+    const Record& r = state_.records[a.owner[i]];
+    Gap& gap = state_.records.gap(a.owner[i]);
+    gap = {};
     // A shape of an asset has many faces: a gap under one of them says nothing about the next.
     if (set.layers < 2 || !(a.s[i] > nowhere) || kind_ops()[r.kind].asset(r) != nullptr) return;
     const Vector3d n(a.nx[i], a.ny[i], a.nz[i]);
     const auto depth_before = [&](const Layer& layer) {
-        return a.s[i] - n.dot(set.last.of(layer.stiffness, lead_.before) - p);
+        return a.s[i] - n.dot(lead_.before + lead_.contact->last.of(layer.stiffness) - p);
     };
     // One that was sent to where the hand is has found x0 behind its face too.
     const double entered = std::max(0.0, depth_before(set.layer[0]));
@@ -45,13 +47,13 @@ void ContactStage::begin_gap(ContactSet& set, const Vector3d& p, Record& r, std:
         const Layer& layer = set.layer[j];
         const double now = a.s[i] - n.dot(layer.solution.dx), before = depth_before(layer) - entered;
         if (std::min(now, before) > 0) {
-            r.gap.depth = std::max(r.gap.depth, std::min(now, before));
-        } else if (!(r.gap.depth > 0)) {
+            gap.depth = std::max(gap.depth, std::min(now, before));
+        } else if (!(gap.depth > 0)) {
             softer = layer.stiffness;
         }
     }
-    if (!(r.gap.depth > 0)) return;
-    r.gap.softer = softer / (r.stiffness * own_weight(set, r.weight));
+    if (!(gap.depth > 0)) return;
+    gap.softer = softer / (r.stiffness * own_weight(set, r.weight));
     set.gaps = true;
 }
 
@@ -62,41 +64,44 @@ bool ContactStage::lower_by_gaps(const ContactSet& set, const Layer& layer, Plan
     for (std::uint32_t m = set.moving_begin; m < set.moving_begin + set.moving_count; ++m) {
         const std::uint32_t i = a.moving[m].member;
         if (i - set.begin >= layer.count || !(a.s[i] > nowhere)) continue;
-        const Record& r = state_.records[a.owner[i]];
-        if (!(r.gap.depth > 0) || !holds_below(set, layer, r) || apart.full() || apart.has(i)) continue;
+        const Gap& gap = state_.records.gap(a.owner[i]);
+        if (!(gap.depth > 0) || !holds_below(set, layer, state_.records[a.owner[i]], gap) || apart.full() ||
+            apart.has(i))
+            continue;
         apart.keep(a, i);
-        a.s[i] -= r.gap.depth;
+        a.s[i] -= gap.depth;
         any = true;
     }
     return any;
 }
 
-void ContactStage::remember_layers(ContactSet& set) noexcept {
-    set.last.count = set.layers;
-    for (std::uint32_t j = 0; j < set.layers; ++j) {
-        set.last.stiffness[j] = set.layer[j].stiffness;
-        set.last.proxy[j] = set.layer[j].proxy;
+void ContactStage::remember_layers(ContactState& contact, const Vector3d& p) noexcept {
+    const ContactSet& now = contact.now;
+    contact.last.count = now.layers;
+    for (std::uint32_t j = 0; j < now.layers; ++j) {
+        contact.last.stiffness[j] = static_cast<float>(now.layer[j].stiffness);
+        contact.last.from_probe[j] = (now.layer[j].proxy - p).cast<float>();
     }
 }
 
 // At the end of a cycle: within it, a repeated evaluation gives the same answer.
 void ContactStage::close_gaps(ContactSet& set) noexcept {
-    remember_layers(set);
     if (!set.gaps) return;
     const Arena& a = sets_.arena();
     set.gaps = false;
     for (std::uint32_t m = set.moving_begin; m < set.moving_begin + set.moving_count; ++m) {
         const std::uint32_t i = a.moving[m].member;
-        Record& r = state_.records[a.owner[i]];
-        if (!(r.gap.depth > 0)) continue;
+        Gap& gap = state_.records.gap(a.owner[i]);
+        if (!(gap.depth > 0)) continue;
+        const Record& r = state_.records[a.owner[i]];
         const Vector3d n(a.nx[i], a.ny[i], a.nz[i]);
         double deepest = 0;
         for (std::uint32_t j = 0; j < set.layers && i - set.begin < set.layer[j].count; ++j) {
-            if (holds_below(set, set.layer[j], r))
+            if (holds_below(set, set.layer[j], r, gap))
                 deepest = std::max(deepest, a.s[i] - n.dot(set.layer[j].solution.dx));
         }
-        r.gap.depth = a.s[i] > nowhere ? std::min(r.gap.depth, deepest) : 0;
-        set.gaps = set.gaps || r.gap.depth > 0;
+        gap.depth = a.s[i] > nowhere ? std::min(gap.depth, deepest) : 0;
+        set.gaps = set.gaps || gap.depth > 0;
     }
 }
 

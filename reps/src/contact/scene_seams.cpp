@@ -106,7 +106,7 @@ void ContactStage::pass_along(ContactSet& set, const Probe& probe, Stage stage) 
         if (!evaluates) {
             const bool held = a.s[member] > -std::numeric_limits<double>::infinity();
             evaluate_member(set, probe, 0, member);
-            if (stage == Stage::enter && !held) begin_gap(set, probe.position, r, member);
+            if (stage == Stage::enter && !held) begin_gap(set, probe.position, member);
             continue;
         }
         fill_path(set, member);

@@ -110,8 +110,8 @@ bool ContactSets::stands(Owner o) const noexcept {
 }
 // Up to this share of its stiffness a surface holds by its face itself; 0: it has no gap.
 double ContactSets::gap_above(Owner o) const noexcept {
-    if (o == frozen_plane_owner || !(state_.records[o].gap.depth > 0)) return 0;
-    return state_.records[o].gap.softer;
+    if (o == frozen_plane_owner || !(state_.records.gap(o).depth > 0)) return 0;
+    return state_.records.gap(o).softer;
 }
 std::uint32_t ContactSets::parts_of(Owner o) const noexcept {
     return stands(o) ? 1 : kind_ops()[state_.records[o].kind].contacts;

@@ -133,7 +133,7 @@ void SceneCore::renew(std::uint32_t i, const Record* previous) noexcept {
     now.reported = slot.options.feedback != 0;
     if (!previous) {
         now.weight = 1;
-        now.gap = {};
+        records.gap(records.owner(i, false)) = {};
         now.evaluated_cycle = clock.last_timed;  // a new record has nothing to catch up with
     }
     if (now.has_tangential && !(previous && previous->has_tangential)) tangential.shift.setZero();

@@ -51,7 +51,6 @@ struct RecordHead : RecordLine {
     std::uint64_t evaluated_cycle = 0;
     double moved = 0;  // s, of its scene's time: its motion is computed up to here, if it turns
     Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // m/s, of the surface
-    Gap gap;
 };
 
 /// The tangential part of a surface, beside its record, so that only surfaces with such a part touch this
@@ -77,7 +76,8 @@ inline constexpr Owner frozen_plane_owner = 0xffffffff;
 
 class Records {
   public:
-    explicit Records(std::size_t slots) : records_(2 * slots), tangential_(2 * slots), current_(slots) {}
+    explicit Records(std::size_t slots)
+        : records_(2 * slots), tangential_(2 * slots), current_(slots), gaps_(slots) {}
 
     Owner owner(std::uint32_t slot, bool old) const noexcept {
         return slot * 2 + (current_[slot] ^ (old ? 1u : 0u));
@@ -91,15 +91,22 @@ class Records {
     const Record& old(std::uint32_t slot) const noexcept { return records_[owner(slot, true)]; }
     TangentialRecord& tangential(Owner owner) noexcept { return tangential_[owner]; }
     const TangentialRecord& tangential(Owner owner) const noexcept { return tangential_[owner]; }
+    /// Of a slot: what fades out shares it with its successor, which is the same surface elsewhere.
+    Gap& gap(Owner owner) noexcept { return gaps_[owner >> 1]; }
+    const Gap& gap(Owner owner) const noexcept { return gaps_[owner >> 1]; }
 
     /// The current record becomes the old one.
     void swap_roles(std::uint32_t slot) noexcept { current_[slot] ^= 1; }
-    void reset() noexcept { std::fill(current_.begin(), current_.end(), std::uint8_t{0}); }
+    void reset() noexcept {
+        std::fill(current_.begin(), current_.end(), std::uint8_t{0});
+        std::fill(gaps_.begin(), gaps_.end(), Gap{});
+    }
 
   private:
     std::vector<Record> records_;               // by Owner
     std::vector<TangentialRecord> tangential_;  // by Owner
     std::vector<std::uint8_t> current_;         // by slot: index of the current record
+    std::vector<Gap> gaps_;                     // by slot
 };
 
 /// Copies as many bytes as the kind's parameters and state have.
