@@ -56,7 +56,7 @@ std::vector<AssetReply> AssetService::answers(Tables tables, const Recorded& rec
     while (auto result = build_queue_.collect()) {
         const auto found = waiting_.find(result->ticket);
         if (found == waiting_.end()) continue;
-        const Waiting waiting = std::move(found->second);
+        const Waiting waiting = found->second;
         waiting_.erase(found);
         AssetReply reply{.connection = result->ticket,
                          .refusal = result->refusal,

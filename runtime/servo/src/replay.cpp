@@ -194,14 +194,9 @@ const Report* Replay::feed(const InputRecord& record) {
             if (record.bytes.size() != cycle.bytes()) nonsense(record, "is no cycle");
             return step(cycle);
         }
-        case InputType::shed: {
-            Claim& claim = held(record)->claim;
-            const std::size_t place = servo_->impl_->claims.find(&claim);
-            if (place == servo_->impl_->claims.size())
-                nonsense(record, "puts a claim aside that is not there");
-            servo_->impl_->shed(place);
+        case InputType::shed:
+            put_aside(record);
             return nullptr;
-        }
         case InputType::asset:
             give(record);
             return nullptr;
@@ -217,6 +212,13 @@ const Report* Replay::feed(const InputRecord& record) {
             break;
     }
     nonsense(record, "is none of ours");
+}
+
+void Replay::put_aside(const InputRecord& record) {
+    ClaimSet& claims = servo_->impl_->claims;
+    const std::size_t place = claims.find(&held(record)->claim);
+    if (place == claims.size()) nonsense(record, "puts a claim aside that is not there");
+    servo_->impl_->shed(place);
 }
 
 void Replay::give(const InputRecord& record) {
