@@ -28,7 +28,7 @@ struct ClientView {
     bool observer = false;                               // else it holds the device
     bool shared = false;                                 // others may hold it too
     bool armed = false;                                  // its force may follow
-    bool shed = false;                                   // put aside: the cycles have no time for it
+    bool shed = false;                                   // the cycles have no time for it
     bool silent = false;                                 // its representations act on silence
     double update_rate = 0;                              // Hz, measured; 0: not yet
     double age = 0;                                      // s, age of its newest batch when used

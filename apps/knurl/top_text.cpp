@@ -44,7 +44,7 @@ std::string text_of(const ClientRates& rates) {
     scaled(client.scales.effects, "effects");
     scaled(client.scales.damping, "damping");
     if (client.silent) line += "  " + wrong("SILENT");
-    if (client.shed) line += "  " + wrong("PUT ASIDE: the cycles have no time for it");
+    if (client.shed) line += "  " + wrong("SHED: the cycles have no time for it");
     return line + "  " + representations_text(client) + "\n";
 }
 
@@ -67,7 +67,7 @@ json json_of(const ClientRates& rates) {
               {"effects", client.scales.effects},
               {"damping", client.scales.damping}}},
             {"silent", client.silent},
-            {"put_aside", client.shed}};
+            {"shed", client.shed}};
 }
 
 }  // namespace

@@ -107,11 +107,11 @@ TEST(TopText, JsonHasTheSameFigures) {
             {"pid": 4711, "name": "app", "role": "claim", "update_rate": 19.5, "age_at_use_s": 26.125e-3,
              "updates_merged_now": 1, "updates_refused_now": 0, "reports_missed_now": 5, "updates_merged": 12,
              "updates_refused": 34, "reports_missed": 56, "gain": 0.5,
-             "scales": {"surfaces": 0.25, "effects": 1.0, "damping": 1.0}, "silent": true, "put_aside": false},
+             "scales": {"surfaces": 0.25, "effects": 1.0, "damping": 1.0}, "silent": true, "shed": false},
             {"pid": 4712, "name": "plotter", "role": "observer", "update_rate": 0.0, "age_at_use_s": null,
              "updates_merged_now": 0, "updates_refused_now": 0, "reports_missed_now": 8, "updates_merged": 0,
              "updates_refused": 0, "reports_missed": 9, "gain": 0.0,
-             "scales": {"surfaces": 1.0, "effects": 1.0, "damping": 1.0}, "silent": false, "put_aside": false}]})");
+             "scales": {"surfaces": 1.0, "effects": 1.0, "damping": 1.0}, "silent": false, "shed": false}]})");
     EXPECT_EQ(cli::json_of(busy_device()), expected) << cli::json_of(busy_device()).dump(2);
 }
 

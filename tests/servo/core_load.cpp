@@ -1,4 +1,4 @@
-// The work of all claims together: what is refused, put aside and ramped down when cycles get too long.
+// The work of all claims together: what is refused, shed and ramped down when cycles get too long.
 
 #include <array>
 #include <memory>
@@ -133,7 +133,7 @@ struct Crowd {
         return shm::CountersReader(segment.data() + protocol::device_layout().counters, protocol::count_names)
             .read(static_cast<std::size_t>(which));
     }
-    std::vector<std::size_t> put_aside() const {
+    std::vector<std::size_t> shed_rows() const {
         std::vector<std::size_t> shed;
         for (std::size_t i = 0; i < rows.size(); ++i)
             if (rows[i].shed != 0) shed.push_back(i);
@@ -141,7 +141,7 @@ struct Crowd {
     }
 };
 
-TEST(Load, TheApplicationThatTakesMostIsPutAsideAndTheOthersForceStays) {
+TEST(Load, TheApplicationThatTakesMostIsShedAndTheOthersForceStays) {
     Crowd crowd;
     for (int i = 0; i < 200 && crowd.count(Count::claims_shed) == 0; ++i) crowd.run(1, period * 8 / 10);
     ASSERT_EQ(crowd.count(Count::claims_shed), 1u);
@@ -151,8 +151,8 @@ TEST(Load, TheApplicationThatTakesMostIsPutAsideAndTheOthersForceStays) {
         steepest = std::max(steepest, std::abs(crowd.device.force().z() - last));
         last = crowd.device.force().z();
     }
-    ASSERT_EQ(crowd.put_aside().size(), 1u);
-    const std::size_t shed = crowd.put_aside()[0];
+    ASSERT_EQ(crowd.shed_rows().size(), 1u);
+    const std::size_t shed = crowd.shed_rows()[0];
     EXPECT_NE(shed, 1u) << "process 1 takes a quarter, process 2 the rest";
     EXPECT_NEAR(crowd.device.force().z(), 1.5, 1e-9);
     EXPECT_LE(steepest, 0.5 / 50 + 1e-9) << "N a cycle: its force fades";
@@ -173,7 +173,7 @@ TEST(Load, TheApplicationThatTakesMostIsPutAsideAndTheOthersForceStays) {
     claim.arm();
     crowd.run(120, period / 10);
     EXPECT_EQ(answer(claim), RefusalReason::none);
-    EXPECT_TRUE(crowd.put_aside().empty());
+    EXPECT_TRUE(crowd.shed_rows().empty());
     EXPECT_NEAR(crowd.device.force().z(), 2.0, 1e-9);
 }
 

@@ -89,7 +89,7 @@ struct RecordedRun {
         if (chance(400)) clock.time += 30'000'000;  // a stall
         const Nanoseconds now = clock.now();
         servo->step(now - static_cast<Nanoseconds>(random() % (chance(10) ? 3'000'000 : 50'000)), now);
-        // Now and then cycles are long for a while: claims are put aside, additions refused, the device ramps down.
+        // Now and then cycles are long for a while: claims are shed, additions refused, the device ramps down.
         if (long_cycles > 0 ? long_cycles-- > 0 : chance(1500) && (long_cycles = random() % 60, true)) {
             servo->took(static_cast<Nanoseconds>(1e9 / options.rate * (1.2 + uniform(0.7))));
         } else {

@@ -57,7 +57,8 @@ std::string reason(const protocol::Reply& reply) {
         case protocol::RefusalReason::cycle_full:
             return detail::format(
                 "the servo's cycle takes {:.0f} % of its period, and takes new work up to {:.0f} %; remove "
-                "representations, here or in another application (knurl top shows how many each has)",
+                "representations, here or in another application (knurl top shows how many each application "
+                "has)",
                 100 * reply.value, 100 * reply.against);
         case protocol::RefusalReason::none:
             break;

@@ -19,7 +19,7 @@ using Code = Verdict::Code;
 
 namespace {
 
-// A claim that was put aside comes back with half of what it had, or less: else it would be put aside again.
+// A claim that was shed comes back with at most half of its representations: else it would be shed again.
 bool may_come_back(const Claim::Impl& claim) noexcept {
     return !claim.shed || 2 * claim.scene.size() <= claim.shed_with;
 }

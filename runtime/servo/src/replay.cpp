@@ -195,7 +195,7 @@ const Report* Replay::feed(const InputRecord& record) {
             return step(cycle);
         }
         case InputType::shed:
-            put_aside(record);
+            shed(record);
             return nullptr;
         case InputType::asset:
             give(record);
@@ -214,10 +214,10 @@ const Report* Replay::feed(const InputRecord& record) {
     nonsense(record, "is none of ours");
 }
 
-void Replay::put_aside(const InputRecord& record) {
+void Replay::shed(const InputRecord& record) {
     ClaimSet& claims = servo_->impl_->claims;
     const std::size_t place = claims.find(&held(record)->claim);
-    if (place == claims.size()) nonsense(record, "puts a claim aside that is not there");
+    if (place == claims.size()) nonsense(record, "sheds a claim that is not there");
     servo_->impl_->shed(place);
 }
 

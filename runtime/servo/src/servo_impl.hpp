@@ -39,14 +39,6 @@ struct Servo::Impl {
     Wrench evaluate_claims(Nanoseconds now, double dt) noexcept;
     Supervised supervise(const Wrench& sum, double dt) noexcept;
     void notify_device() noexcept;
-
-    // servo_load.cpp
-    void watch_load() noexcept;
-    /// Adds the time since `from` to what the claim costs. Returns the present time.
-    Nanoseconds charge(Claim::Impl& claim, Nanoseconds from) noexcept;
-    void shed_costliest() noexcept;
-    void shed(std::size_t place) noexcept;
-
     void write_device(Nanoseconds now, const Supervised& out) noexcept;
     void publish(Nanoseconds deadline, const Wrench& sum, const Supervised& out) noexcept;
     void publish_counters(Nanoseconds now) noexcept;
@@ -63,6 +55,13 @@ struct Servo::Impl {
     void put_to_sleep(std::size_t place) noexcept;
     /// Evaluates the claim's scene, unless it sleeps.
     void evaluate_scene(std::size_t place, const Probe& probe, double dt) noexcept;
+
+    // servo_load.cpp
+    void watch_load() noexcept;
+    /// Adds the time since `from` to what the claim costs. Returns the present time.
+    Nanoseconds charge(Claim::Impl& claim, Nanoseconds from) noexcept;
+    void shed_costliest() noexcept;
+    void shed(std::size_t place) noexcept;
 
     // servo_input_log.cpp
     void put_keyframe() noexcept;

@@ -112,7 +112,7 @@ enum class Count : std::uint32_t {
     last_step_ns,
     /// The longest such time of any cycle (ns).
     longest_step_ns,
-    /// Times that a claim was put aside, because the cycles had no time for it.
+    /// Times that a claim was shed, because the cycles had no time for it.
     claims_shed,
     /// DeviceState.
     device_state,
@@ -183,7 +183,7 @@ struct alignas(128) ClientRow {
     std::atomic<std::uint64_t> silent;
     /// 1: armed.
     std::atomic<std::uint64_t> armed;
-    /// 1: put aside, because the cycles had no time for it.
+    /// 1: shed, because the cycles had no time for it.
     std::atomic<std::uint64_t> shed;
     /// Reports missed, as the client itself says; some cycles late.
     std::atomic<std::uint64_t> missed;

@@ -49,7 +49,7 @@ enum class InputType : std::uint16_t {
     asset,
     /// Number of the claim, of the asset.
     asset_forgotten,
-    /// Number of the claim: put aside, because the cycles had no time for it.
+    /// Number of the claim: it was shed, because the cycles had no time for it.
     shed,
 };
 

@@ -53,7 +53,7 @@ class Replay {
     Held* held(const InputRecord& record);
     void free_released();
     void give(const InputRecord& record);
-    void put_aside(const InputRecord& record);
+    void shed(const InputRecord& record);
 
     std::unique_ptr<Played> played_;
     ServoOptions options_;
