@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <sys/stat.h>
 
+#include "../temp_folder.hpp"
 #include "keys.hpp"
 #include "net_pair.hpp"
 
@@ -16,13 +17,6 @@ using testing::HasSubstr;
 
 class Keys : public testing::Test {
   protected:
-    Keys() {
-        std::string name = (fs::temp_directory_path() / "knurl-keys-XXXXXX").string();
-        folder_ = ::mkdtemp(name.data());
-        file_ = folder_ / "keys";
-    }
-    ~Keys() override { fs::remove_all(folder_); }
-
     void write(const std::string& text, mode_t mode = 0600) {
         std::ofstream(file_) << text;
         ::chmod(file_.c_str(), mode);
@@ -38,7 +32,8 @@ class Keys : public testing::Test {
         return "no error";
     }
 
-    fs::path folder_, file_;
+    knurl::test::TempFolder folder_;
+    fs::path file_ = folder_ / "keys";
     const std::string hex_ = std::string(62, '0') + "fA";
 };
 
@@ -111,7 +106,7 @@ TEST_F(Keys, NoFileAndNoKeySayHowToMakeOne) {
     EXPECT_THAT(mistake(), HasSubstr("knurl-bridge keygen"));
     write("# nothing yet\n");
     EXPECT_THAT(mistake(), HasSubstr("knurl-bridge keygen"));
-    file_ = folder_;
+    file_ = folder_.path();
     EXPECT_THAT(mistake(), HasSubstr("not a regular file"));
     EXPECT_THROW(make_key("", Role::observe), std::runtime_error);
     EXPECT_THROW(make_key(std::string(64, 'a'), Role::observe), std::runtime_error);

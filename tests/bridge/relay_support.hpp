@@ -9,6 +9,7 @@
 
 #include "../client/refusal.hpp"
 #include "../client/servo_process.hpp"
+#include "../temp_folder.hpp"
 #include "keys.hpp"
 
 namespace knurl::bridge::test {
@@ -18,15 +19,6 @@ using namespace client_test;
 /// A folder with the bridge's keys file, and one file per key for its owner.
 class KeyRing {
   public:
-    KeyRing() {
-        std::string name = (std::filesystem::temp_directory_path() / "knurl-keys-XXXXXX").string();
-        if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("no folder for the test");
-        folder_ = name;
-    }
-    ~KeyRing() { std::filesystem::remove_all(folder_); }
-    KeyRing(const KeyRing&) = delete;
-    KeyRing& operator=(const KeyRing&) = delete;
-
     /// The owner's file.
     std::string add(const std::string& name, Role role) {
         const Key key = make_key(name, role);
@@ -41,7 +33,7 @@ class KeyRing {
     std::string file() const { return (folder_ / "bridge.keys").string(); }
 
   private:
-    std::filesystem::path folder_;
+    knurl::test::TempFolder folder_;
 };
 
 inline Client connect_to(const BridgeProcess& bridge, const std::string& key = {}, double report_rate = 0) {

@@ -22,6 +22,7 @@
 #include <knurl/reps/constant_force.hpp>
 
 #include "../eventually.hpp"
+#include "../temp_folder.hpp"
 #include "bridge_process.hpp"
 
 namespace client_test {
@@ -34,14 +35,11 @@ class ServoProcess {
     explicit ServoProcess(std::vector<std::string> arguments = {"--device", "sim:cartesian3"},
                           std::string program = KNURLD)
         : program_(std::move(program)), arguments_(std::move(arguments)) {
-        std::string name = (std::filesystem::temp_directory_path() / "knurl-client-XXXXXX").string();
-        if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("no folder for the test: " + name);
-        folder_ = name;
         ::prctl(PR_SET_CHILD_SUBREAPER, 1);  // only a parent can wait for a dead servo's guardian
-        std::filesystem::permissions(folder_, std::filesystem::perms::owner_all |
-                                                  std::filesystem::perms::others_exec |
-                                                  std::filesystem::perms::group_exec);
-        ::setenv("KNURL_RUNTIME_DIR", folder_.c_str(), 1);
+        std::filesystem::permissions(folder_.path(), std::filesystem::perms::owner_all |
+                                                         std::filesystem::perms::others_exec |
+                                                         std::filesystem::perms::group_exec);
+        ::setenv("KNURL_RUNTIME_DIR", folder_.path().c_str(), 1);
         ::setenv("KNURL_STATE_DIR", (folder_ / "state").c_str(), 1);
         start();
         if (!through_bridge()) return;
@@ -53,8 +51,6 @@ class ServoProcess {
         if (pid_ > 0) end(SIGKILL);
         // They save the flight record, and would create a folder anew that is gone already.
         for (const pid_t guardian : guardians_) ::waitpid(guardian, nullptr, 0);
-        std::error_code ignored;
-        std::filesystem::remove_all(folder_, ignored);
     }
     ServoProcess(const ServoProcess&) = delete;
     ServoProcess& operator=(const ServoProcess&) = delete;
@@ -112,7 +108,7 @@ class ServoProcess {
 
     std::string program_;
     std::vector<std::string> arguments_;
-    std::filesystem::path folder_;
+    knurl::test::TempFolder folder_;
     pid_t pid_ = -1;
     std::vector<pid_t> guardians_;  // of the servos that have ended
     std::optional<BridgeProcess> bridge_;

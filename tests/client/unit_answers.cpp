@@ -16,6 +16,7 @@
 #include <knurl/shm/socket.hpp>
 
 #include "../refusal.hpp"
+#include "../temp_folder.hpp"
 
 namespace {
 
@@ -32,10 +33,7 @@ std::span<const std::byte> bytes_of(const Message& message) {
 class PlayedServo {
   public:
     PlayedServo() {
-        std::string name = (std::filesystem::temp_directory_path() / "knurl-played-XXXXXX").string();
-        if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("no folder for the test");
-        folder_ = name;
-        ::setenv("KNURL_RUNTIME_DIR", folder_.c_str(), 1);
+        ::setenv("KNURL_RUNTIME_DIR", folder_.path().c_str(), 1);
         protocol::DeviceInfo info;
         info.magic = protocol::segment_magic;
         info.layout_hash = protocol::wire_hash();
@@ -50,10 +48,7 @@ class PlayedServo {
         listener_ = shm::listen_at(protocol::socket_path("default"), 0600, 4);
         broker_ = std::jthread([this] { serve(); });
     }
-    ~PlayedServo() {
-        broker_ = {};
-        std::filesystem::remove_all(folder_);
-    }
+    ~PlayedServo() { broker_ = {}; }
 
     /// The next command's header; the ring is real.
     protocol::CommandHeader next_command() {
@@ -99,7 +94,7 @@ class PlayedServo {
 
     protocol::ClaimCapacity capacity_;
     protocol::ClaimLayout layout_ = protocol::claim_layout(capacity_);
-    std::filesystem::path folder_;
+    test::TempFolder folder_;
     shm::Segment device_ = shm::Segment::create("played", protocol::device_layout().total);
     shm::Segment claim_ = shm::Segment::create("played", layout_.total);
     shm::SpscConsumer commands_{claim_.data() + layout_.commands, layout_.command_cells};

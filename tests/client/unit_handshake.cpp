@@ -18,6 +18,7 @@
 #include <knurl/shm/segment.hpp>
 #include <knurl/shm/socket.hpp>
 
+#include "../temp_folder.hpp"
 #include "refusal.hpp"
 
 namespace unit_handshake_tests {
@@ -37,10 +38,7 @@ class Impostor {
     using Answer = std::function<void(const shm::UniqueFd&)>;
 
     explicit Impostor(Answer answer) : answer_(std::move(answer)) {
-        std::string name = (std::filesystem::temp_directory_path() / "knurl-impostor-XXXXXX").string();
-        if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("no folder for the test");
-        folder_ = name;
-        ::setenv("KNURL_RUNTIME_DIR", folder_.c_str(), 1);
+        ::setenv("KNURL_RUNTIME_DIR", folder_.path().c_str(), 1);
         listener_ = shm::listen_at(protocol::socket_path("default"), 0600, 4);
         thread_ = std::thread([this] { serve(); });
     }
@@ -48,7 +46,6 @@ class Impostor {
         const std::uint64_t one = 1;
         EXPECT_EQ(::write(ended_.get(), &one, sizeof one), static_cast<ssize_t>(sizeof one));
         thread_.join();
-        std::filesystem::remove_all(folder_);
     }
 
   private:
@@ -67,7 +64,7 @@ class Impostor {
     }
 
     Answer answer_;
-    std::filesystem::path folder_;
+    knurl::test::TempFolder folder_;
     shm::UniqueFd listener_, ended_{::eventfd(0, EFD_CLOEXEC)};
     std::thread thread_;
 };

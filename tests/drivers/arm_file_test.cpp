@@ -10,6 +10,7 @@
 
 #include <knurl/drivers/sim_device.hpp>
 
+#include "../temp_folder.hpp"
 #include "arm_example.hpp"
 
 namespace knurl::drivers {
@@ -87,16 +88,13 @@ TEST(ArmFile, ABaseTurnsTheArmAndAToolMovesItsTip) {
 }
 
 TEST(FindArm, LooksInsideFirstThenInFoldersAndTakesPaths) {
-    const std::filesystem::path folder =
-        std::filesystem::temp_directory_path() / ("knurl-arms-" + std::to_string(getpid()));
-    std::filesystem::create_directories(folder);
-    for (const char* name : {"mine", "omni"}) std::ofstream(folder / (std::string(name) + ".toml")) << good;
-    setenv("KNURL_ARMS_DIR", folder.c_str(), 1);
+    const test::TempFolder folder;
+    for (const char* name : {"mine.toml", "omni.toml"}) folder.file(name, good);
+    setenv("KNURL_ARMS_DIR", folder.path().c_str(), 1);
     EXPECT_EQ(find_arm("mine").name, "mine");
     EXPECT_EQ(find_arm("omni").name, "omni") << "what is built in comes first";
     EXPECT_EQ(find_arm((folder / "omni.toml").string()).name, "mine");
     unsetenv("KNURL_ARMS_DIR");
-    std::filesystem::remove_all(folder);
     try {
         find_arm("onmi");
         FAIL();
@@ -114,10 +112,8 @@ TEST(FindArm, LooksInsideFirstThenInFoldersAndTakesPaths) {
 }
 
 TEST(SimulatedArm, AnyFileIsADevice) {
-    const std::string path =
-        (std::filesystem::temp_directory_path() / ("knurl-arm-" + std::to_string(getpid()) + ".toml"))
-            .string();
-    std::ofstream(path) << good;
+    const test::TempFolder folder;
+    const std::string path = folder.file("arm.toml", good);
     const auto device = open_device("sim:arm=" + path + ",grip=0.5,quantum=0");
     EXPECT_EQ(device->link().name, "mine");
     EXPECT_EQ(device->link().grip_damping, 1.5);

@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "../refusal.hpp"
+#include "../temp_folder.hpp"
 #include "arm_example.hpp"
 
 namespace knurl::drivers {
@@ -153,10 +154,8 @@ TEST(ArmFile, AFileThatIsDamagedIsRefusedAndNeverMore) {
 
 TEST(ArmFile, WhatIsNoSmallFileIsNotRead) {
     namespace fs = std::filesystem;
-    const fs::path folder = fs::temp_directory_path() / ("knurl-arm-" + std::to_string(getpid()));
-    fs::create_directory(folder);
-    const std::string huge = folder / "huge.toml", pipe = folder / "pipe.toml";
-    std::ofstream(huge) << good;
+    const test::TempFolder folder;
+    const std::string huge = folder.file("huge.toml", good), pipe = folder.path("pipe.toml");
     fs::resize_file(huge, 5'000'000'000);  // a sparse file: takes no space
     ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
     const auto said = [](const std::string& path) -> std::string {
@@ -166,13 +165,12 @@ TEST(ArmFile, WhatIsNoSmallFileIsNotRead) {
     EXPECT_EQ(said("/dev/zero"), "/dev/zero: is a device, pipe or socket, not a file" + mend);
     EXPECT_EQ(said(pipe), pipe + ": is a device, pipe or socket, not a file" + mend)
         << "does not wait for a writer";
-    EXPECT_EQ(said(folder), folder.string() + ": is a folder" + mend);
+    EXPECT_EQ(said(folder.path()), folder.path().string() + ": is a folder" + mend);
     EXPECT_EQ(said(huge), huge + ": is larger than 1 MiB, and an arm has some 3 KiB" + mend);
-    EXPECT_EQ(said(folder / "none.toml"),
-              (folder / "none.toml").string() + ": cannot be read: No such file or directory");
+    EXPECT_EQ(said(folder.path("none.toml")),
+              folder.path("none.toml") + ": cannot be read: No such file or directory");
     fs::resize_file(huge, good.size());
     EXPECT_EQ(said(huge), "accepted");
-    fs::remove_all(folder);
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include <knurl/drivers/motion_device.hpp>
 
 #include "../refusal.hpp"
+#include "../temp_folder.hpp"
 
 namespace knurl::drivers {
 namespace {
@@ -65,9 +66,8 @@ TEST(MotionFile, SaysLineColumnAndWhatToDo) {
 }
 
 TEST(MotionFile, IsReadFromDiskAndNamedWhenItCannotBe) {
-    const auto folder = std::filesystem::temp_directory_path();
-    const std::string path = (folder / ("motion-" + std::to_string(::getpid()) + ".csv")).string();
-    std::ofstream(path) << "0,1,2,3\n";
+    const test::TempFolder folder;
+    const std::string path = folder.file("motion.csv", "0,1,2,3\n");
     EXPECT_EQ(load_motion(path).rows()[0].position, Vector3d(1, 2, 3));
     std::ofstream(path, std::ios::trunc).flush();
     const auto message = [](const std::string& name) -> std::string {
@@ -78,7 +78,7 @@ TEST(MotionFile, IsReadFromDiskAndNamedWhenItCannotBe) {
     EXPECT_EQ(message(path), path +
                                  ": cannot read the motion: No such file or directory; name a CSV file of "
                                  "t,x,y,z[,qw,qx,qy,qz]");
-    EXPECT_NE(message(folder.string()).find("cannot read the motion"), std::string::npos);
+    EXPECT_NE(message(folder.path().string()).find("cannot read the motion"), std::string::npos);
 }
 
 TEST(Motion, IsLinearBetweenRowsAndHasTheVelocityOfTheSegmentThatBegins) {

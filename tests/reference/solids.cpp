@@ -29,6 +29,19 @@ Setting any_setting(Rng& rng) {
     return s;
 }
 
+/// A probe that is there from the start is held by the nearest surface, down to half way to the core.
+template <class R>
+void check_seen_first(Case& c, const R& surface, const Limits& limits, const Vector& p, double radius,
+                      Real reach) {
+    const exact::Solid solid = exact::solid_of(surface);
+    exact::SolidTouch touch;
+    const exact::Foot foot = touch.step(solid, real(p), radius)[0];
+    const bool cylinder = solid.kind == exact::Solid::Kind::cylinder;
+    const Real half = (std::min(solid.radius, solid.half_length) + radius) / 2;
+    if (solid.hollow || touch.doubt < 1e-12L * reach || (cylinder ? foot.height < -half : touch.deep)) return;
+    Alone<R>(surface, limits).check(c, at(p), radius, 1e-3, foot, reach, foot.clear > 1e-12L * reach);
+}
+
 template <class R>
 void follow(Case& c, R surface, const Setting& s) {
     Rng& rng = c.rng;
@@ -50,6 +63,7 @@ void follow(Case& c, R surface, const Setting& s) {
         const double dt = rng.of(1e-6, 1e-3, 1e-3, 0.05);
         const std::vector<exact::Foot> feet = touch.step(solid, real(p), s.radius);
         const Real reach = std::max({Real(p.norm()), Real(s.about.norm()), Real(s.size), Real(s.radius)});
+        check_seen_first(c, surface, limits, p, s.radius, reach);
         if (touch.doubt < 1e-12L * reach || (touch.deep && !solid.hollow))
             return;  // rounding decides, or the way
         const Wrench got = scene.evaluate(at(p), dt);

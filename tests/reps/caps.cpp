@@ -45,43 +45,6 @@ TEST(Cap, FollowsTheSurfaceThatItWasFittedToUpToTheFourthOrder) {
     }
 }
 
-TEST(Cap, WithoutCurvatureIsAPlaneAndGoesOverIntoOneWithoutAStep) {
-    Rng rng(4204);
-    for (int round = 0; round < 2000; ++round) {
-        const Vector n = direction(rng), foot = 0.1 * direction(rng);
-        const Vector p = foot + 0.03 * uniform(rng, 0, 1) * direction(rng);
-        Cap cap{.foot = to_plain(foot), .normal = to_plain(n)};
-        const double plane = n.dot(p - foot);
-        EXPECT_NEAR(Evaluated<Cap>(cap)(p).height, plane, 1e-16);
-        for (const double k : {1e-9, -1e-9, 1e-300, -5e-324}) {
-            cap.curvature = k;
-            EXPECT_NEAR(Evaluated<Cap>(cap)(p).height, plane, 1e-12) << k;
-            EXPECT_LE((Evaluated<Cap>(cap)(p).normal - n).norm(), 1e-10) << k;
-        }
-        cap.curvature = 25;
-        cap.rim = 0;  // only the tangent plane is followed
-        EXPECT_EQ(Evaluated<Cap>({.curvature = 25, .rim = 0})({0, 0, 0.2}).height, 0.2)
-            << "beyond the centre";
-        EXPECT_NEAR(Evaluated<Cap>(cap)(p).height, plane, 1e-16);
-        cap.axis = to_plain(n.unitOrthogonal());
-        EXPECT_NEAR(Evaluated<Cap>(cap)(p).height, plane, 1e-16);
-    }
-}
-
-TEST(Cap, TheNormalIsTheHeightsGradient) {
-    Rng rng(4206);
-    for (int round = 0; round < 2000; ++round) {
-        const Cap params = random_cap(rng, 0.01, round % 2);
-        Evaluated<Cap> cap(params);
-        const Vector p = 0.004 * direction(rng);
-        const Vector n = cap(p).normal, g = gradient_of(cap, p, 1e-7);
-        // Except where two parts of it are equally near: there the normals differ on both sides.
-        if ((cap(p + 2e-7 * n).normal - cap(p - 2e-7 * n).normal).norm() > 1e-2) continue;
-        if (g.norm() < 0.999) continue;
-        EXPECT_LE((n - g).norm(), 1e-4) << "round " << round;
-    }
-}
-
 TEST(Cap, AtAndBeyondItsCentreItIsStillASurface) {
     Rng rng(4208);
     for (const double k : {50.0, -50.0, 1e9, -1e9}) {
@@ -139,19 +102,6 @@ TEST(Cap, RefusesASecondCurvatureWithoutADirection) {
     EXPECT_EQ(reason({.curvature = 30, .axis = {0, 0, 2}}),
               std::pair(std::string_view("axis"),
                         std::string_view("is along the normal; give a direction in the tangent plane")));
-}
-
-TEST(Cap, AProbeWithARadiusTouchesThatMuchEarlier) {
-    Rng rng(4210);
-    for (int round = 0; round < 500; ++round) {
-        Cap params = random_cap(rng, 0.01, round % 2);
-        params.curvature = std::min(params.curvature, 90.0),
-        params.curvature2 = std::min(params.curvature2, 90.0);
-        Evaluated<Cap> cap(params);
-        const Vector p = 0.01 * direction(rng);
-        EXPECT_NEAR(cap(p, 0.005).height, cap(p).height - 0.005, 1e-16);
-        EXPECT_EQ(cap(p, 0.005).normal, cap(p).normal);
-    }
 }
 
 TEST(Cap, AHollowTighterThanTheProbeDoesNotTurnTheNormalRound) {

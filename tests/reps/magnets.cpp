@@ -65,14 +65,6 @@ TEST(Magnet, HasNoStepAnywhereAlsoNotAtItsSurfaceNorAtItsCentre) {
     }
 }
 
-TEST(Magnet, DrawsToItsSurfaceFromInsideToo) {
-    const Magnet m{.radius = 0.05, .stiffness = 100, .max_force = 2, .max_distance = 0.04};
-    EXPECT_NEAR(felt(m, at({0.06, 0, 0})).force.x(), -1, 1e-3);
-    EXPECT_NEAR(felt(m, at({0.04, 0, 0})).force.x(), 1, 1e-3);
-    EXPECT_EQ(felt(m, at({0.05, 0, 0})).force.norm(), 0.0);
-    EXPECT_EQ(felt(m, at({0, 0, 0})).force.norm(), 0.0);
-}
-
 TEST(Magnet, WhoseReachEndsBeforeItsStrongestPullIsRefusedWithTheFigures) {
     EXPECT_EQ(refusal({.stiffness = 100, .max_force = 2, .max_distance = 0.015}),
               "magnet.max_distance = 0.015 m is not beyond max_force / stiffness = 0.02 m, where it pulls "

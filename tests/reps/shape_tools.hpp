@@ -63,15 +63,4 @@ double work_along(const SmallLoop& loop, int steps, Force&& force) {
     return sum;
 }
 
-/// Central differences of the height, for comparison with the normal.
-template <class R>
-Vector gradient_of(Evaluated<R>& surface, const Vector& p, double step) {
-    Vector g;
-    for (int i = 0; i < 3; ++i) {
-        const Vector e = step * Vector::Unit(i);
-        g[i] = (surface(p + e).height - surface(p - e).height) / (2 * step);
-    }
-    return g;
-}
-
 }  // namespace knurl::test

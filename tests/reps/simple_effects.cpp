@@ -16,14 +16,6 @@ namespace {
 constexpr RepresentationId id{0, 1};
 }
 
-TEST(Viscosity, IsAgainstVelocityAndAngularVelocityAlone) {
-    Probe probe = at({1, 2, 3}, {0.1, -0.2, 0.3});
-    probe.angular_velocity = {1, 2, -3};
-    const Wrench w = felt(Viscosity{.damping = 4, .angular_damping = 0.05}, probe);
-    EXPECT_LE((w.force - Vector(-0.4, 0.8, -1.2)).norm(), 1e-15);
-    EXPECT_LE((w.torque - Vector(-0.05, -0.1, 0.15)).norm(), 1e-16);
-}
-
 TEST(Viscosity, IsNoThickerThanTheDeviceStands) {
     const Viscosity honey{.damping = 1e6, .angular_damping = 1e6};
     EXPECT_EQ(prepared(honey, {}).damping, 1e6) << "no device, no bound";

@@ -6,31 +6,6 @@
 using namespace knurl;
 using namespace knurl::test;
 
-TYPED_TEST(Solids, TheNormalIsTheHeightsGradient) {
-    Rng& rng = this->random;
-    int compared = 0;
-    for (int round = 0; round < 4000; ++round) {
-        TypeParam s = random_solid<TypeParam>(rng, 0.03);
-        if (round % 3 == 0) s.side = Side::inside;
-        const double probe = round % 2 ? 0 : 0.3 * least_radius(s);
-        const Vector p = some_point(rng, s);
-        Evaluated<TypeParam> surface(s);
-        const auto height = [&](const Vector& at) { return Evaluated<TypeParam>(s)(at, probe).height; };
-        const double h = height(p);
-        if (std::abs(h) < 2e-6 || h < -0.4 * (least_radius(s) + (s.side == Side::inside ? -probe : probe)))
-            continue;
-        Vector g;
-        for (int i = 0; i < 3; ++i) {
-            const Vector e = 1e-6 * Vector::Unit(i);
-            g[i] = (height(p + e) - height(p - e)) / 2e-6;
-        }
-        if (g.norm() < 0.99) continue;  // two parts of the surface are equally near
-        EXPECT_LE((surface(p, probe).normal - g).norm(), 1e-4 + 1e-6 / least_radius(s)) << "round " << round;
-        ++compared;
-    }
-    EXPECT_GT(compared, 1500);
-}
-
 TYPED_TEST(Solids, PressedDeeperThanHalfWayToItsCoreItKeepsTheNormalAndHoldsHoweverDeep) {
     Rng& rng = this->random;
     for (int round = 0; round < 200; ++round) {

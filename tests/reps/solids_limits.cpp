@@ -5,25 +5,6 @@
 using namespace knurl;
 using namespace knurl::test;
 
-TEST(Sphere, OfNoRadiusIsAPointThatAProbeWithARadiusFeels) {
-    Evaluated<Sphere> point({.center = {0.1, 0, 0}, .radius = 0});
-    EXPECT_NEAR(point({0.1, 0, 0.004}, 0.005).height, -0.001, 1e-16);
-    EXPECT_EQ(point({0.1, 0, 0}, 0).height, 0) << "one without does not";
-}
-
-TEST(Capsule, OfNoLengthIsASphereAndOfNoRadiusANeedle) {
-    Rng rng(8102);
-    for (int round = 0; round < 1000; ++round) {
-        const Vector p = 0.02 * direction(rng);
-        Evaluated<Capsule> capsule({.axis = {1, 2, 3}, .half_length = 0, .radius = 0.01});
-        Evaluated<Sphere> sphere({.radius = 0.01});
-        EXPECT_EQ(capsule(p).height, sphere(p).height);
-    }
-    Evaluated<Capsule> needle({.half_length = 0.02, .radius = 0});
-    EXPECT_NEAR(needle({0.004, 0, 0.01}, 0.005).height, -0.001, 1e-16);
-    EXPECT_EQ(needle({0, 0, 0.01}, 0).height, 0);
-}
-
 TEST(Cylinder, WithoutEndsIsTheSameAllAlongItsAxis) {
     Rng rng(8103);
     for (const Side side : {Side::outside, Side::inside}) {

@@ -106,21 +106,6 @@ TYPED_TEST(Solids, JumpedRightIntoItsCoreItKeepsTheNormalOfLastCycle) {
     }
 }
 
-TYPED_TEST(Solids, AProbeWithARadiusMakesTheSolidLargerAndTheHollowSmaller) {
-    Rng& rng = this->random;
-    for (int round = 0; round < 1000; ++round) {
-        TypeParam s = random_solid<TypeParam>(rng, 0.02);
-        if (round % 2) s.side = Side::inside;
-        double probe = uniform(rng, 0, 0.9) * least_radius(s);
-        if constexpr (requires { s.tube; })
-            probe = std::min(probe, 0.9 * (s.radius - s.tube));  // passes the hole
-        const Vector p = some_point(rng, s);
-        if (nearest_foot(s, p, 0).height < 0) continue;
-        EXPECT_NEAR(Evaluated<TypeParam>(s)(p, probe).height, Evaluated<TypeParam>(s)(p).height - probe,
-                    1e-16);
-    }
-}
-
 TYPED_TEST(Solids, AProbeLargerThanTheHollowIsHeldInItsMiddle) {
     Rng& rng = this->random;
     TypeParam s = random_solid<TypeParam>(rng, 0.02);

@@ -13,15 +13,6 @@ constexpr RepresentationId id{0, 1};
 
 }  // namespace
 
-TEST(Spring, PullsAboveItsRestLengthAndPushesBelow) {
-    Spring::State state;
-    const Spring spring =
-        prepared(Spring{.anchor = {0, 0, 0.1}, .rest_length = 0.06, .stiffness = 100}, Limits{});
-    adopt(spring, nullptr, state, {});
-    EXPECT_NEAR(evaluate(spring, state, at({0, 0, 0}), dt).force.z(), 4, 0.01);
-    EXPECT_NEAR(evaluate(spring, state, at({0, 0, 0.08}), dt).force.z(), -4, 0.02);
-}
-
 TEST(Spring, HasNoJumpAtLengthZeroAndIsNowhereStifferThanAllowed) {
     // Without the rounding the force jumps by 2 k L0 = 60 N as the probe passes the anchor.
     const Limits limits{.max_stiffness = 2000};
@@ -56,38 +47,6 @@ TEST(Spring, ARestLengthOfNextToNothingIsNone) {
         adopt(spring, nullptr, state, {});
         EXPECT_EQ(evaluate(spring, state, at({0, 0, 0}), dt).force.norm(), 0.0) << rest;
         EXPECT_NEAR(evaluate(spring, state, at({0, 0, -0.01}), dt).force.z(), 1, 1e-12) << rest;
-    }
-}
-
-TEST(Spring, ANewTargetBeforeTheEndStartsFromThePresentPoint) {
-    Scene scene = make_scene();
-    Spring spring{.anchor = {0, 0, 0}, .stiffness = 100, .duration = 0.01};
-    ASSERT_TRUE(scene.add(id, spring));
-    settled(scene, {});
-    spring.anchor.x = 0.1;
-    ASSERT_TRUE(scene.update(id, spring));
-    for (int i = 0; i < 5; ++i) scene.evaluate({}, dt);  // at 0.05
-    spring.anchor.x = -0.05;
-    ASSERT_TRUE(scene.update(id, spring));
-    for (int i = 1; i <= 12; ++i) {
-        EXPECT_NEAR(scene.evaluate({}, dt).force.x(), 100 * (0.05 - 0.1 * std::min(1.0, i / 10.0)), 1e-11);
-    }
-}
-
-TEST(Spring, MovesAtTheSameSpeedAtEveryRate) {
-    for (const double step : {1e-4, 5e-4, 1e-3, 3e-3}) {
-        Scene scene = make_scene();
-        Spring spring{.anchor = {0, 0, 0}, .stiffness = 100, .duration = 0.05};
-        ASSERT_TRUE(scene.add(id, spring));
-        settled(scene, {});
-        spring.anchor.x = 0.1;
-        ASSERT_TRUE(scene.update(id, spring));
-        double t = 0;
-        while (t < 0.06) {
-            t += step;
-            ASSERT_NEAR(scene.evaluate({}, step).force.x(), 100 * 0.1 * std::min(1.0, t / 0.05), 1e-9)
-                << step;
-        }
     }
 }
 

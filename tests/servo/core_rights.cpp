@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
+#include "../temp_folder.hpp"
 #include "rights.hpp"
 
 namespace knurl::servo {
@@ -19,8 +20,7 @@ namespace fs = std::filesystem;
 /// capabilities.
 class Kernel {
   public:
-    Kernel() : path_((fs::temp_directory_path() / "knurl-rights-XXXXXX").string()) {
-        if (::mkdtemp(path_.data()) == nullptr) throw std::runtime_error(path_);
+    Kernel() {
         rlimit limit{};  // that of this process counts too
         ::getrlimit(RLIMIT_RTPRIO, &limit);
         limit.rlim_cur = 0;
@@ -29,23 +29,17 @@ class Kernel {
         with("proc/self/status", "Name:\ttest\nCapEff:\t000001ffffffffff\n");
         with("proc/sys/kernel/sched_rt_runtime_us", "950000\n");
     }
-    ~Kernel() {
-        std::error_code ignored;
-        fs::remove_all(path_, ignored);
-    }
-    Kernel(const Kernel&) = delete;
-    Kernel& operator=(const Kernel&) = delete;
 
     Kernel& with(const std::string& file, const std::string& text) {
-        fs::create_directories((fs::path(path_) / file).parent_path());
-        std::ofstream(fs::path(path_) / file) << text;
+        fs::create_directories((folder_ / file).parent_path());
+        folder_.file(file, text);
         return *this;
     }
-    std::string why() const { return Rights(path_).why_no_priority(80); }
-    std::string path(const std::string& file) const { return (fs::path(path_) / file).string(); }
+    std::string why() const { return Rights(folder_.path().string()).why_no_priority(80); }
+    std::string path(const std::string& file) const { return folder_.path(file); }
 
   private:
-    std::string path_;
+    test::TempFolder folder_;
 };
 
 bool says(const std::string& text, const std::string& what) {

@@ -19,6 +19,7 @@
 #include <knurl/measure/output_file.hpp>
 
 #include "../refusal.hpp"
+#include "../temp_folder.hpp"
 
 namespace knurl::measure {
 namespace {
@@ -27,21 +28,15 @@ namespace fs = std::filesystem;
 
 class OutputFile : public testing::Test {
   protected:
-    void SetUp() override {
-        std::string name = testing::TempDir() + "knurl-output-XXXXXX";
-        ASSERT_NE(::mkdtemp(name.data()), nullptr);
-        folder_ = name;
-    }
-    ~OutputFile() override { fs::remove_all(folder_); }
     std::string path() const { return folder_ / "run.json"; }
     std::string text() const {
         std::ifstream file(path(), std::ios::binary);
         return {std::istreambuf_iterator<char>(file), {}};
     }
-    auto files() const { return std::distance(fs::directory_iterator(folder_), {}); }
+    auto files() const { return std::distance(fs::directory_iterator(folder_.path()), {}); }
 
   private:
-    fs::path folder_;
+    knurl::test::TempFolder folder_;
 };
 
 TEST_F(OutputFile, HoldsTheNewTextAndNothingOfTheOld) {

@@ -11,6 +11,7 @@
 #include <knurl/shm/segment.hpp>
 #include <knurl/shm/socket.hpp>
 
+#include "../temp_folder.hpp"
 #include "peer.hpp"
 
 namespace knurl::shm {
@@ -22,8 +23,6 @@ namespace fs = std::filesystem;
 class Processes : public testing::Test {
   protected:
     Processes() {
-        char name[] = "/tmp/knurl-test-XXXXXX";
-        folder_ = ::mkdtemp(name);
         broadcast_init(reports_.data());
         spsc_init(claim_.data() + commands_at);
         spsc_init(claim_.data() + replies_at);
@@ -39,7 +38,6 @@ class Processes : public testing::Test {
             ::kill(peer_, SIGKILL);
             ::waitpid(peer_, nullptr, 0);
         }
-        fs::remove_all(folder_);
     }
 
     void start(const char* role, std::uint64_t count) {
@@ -69,7 +67,7 @@ class Processes : public testing::Test {
         return WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status);
     }
 
-    fs::path folder_;
+    knurl::test::TempFolder folder_;
     Segment reports_ = Segment::create("knurl-test-reports", report_segment_bytes);
     Segment claim_ = Segment::create("knurl-test-claim", claim_segment_bytes);
     WakePair wake_ = make_wake_pair();

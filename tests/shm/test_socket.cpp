@@ -16,6 +16,7 @@
 
 #include "../lingering.hpp"
 #include "../refusal.hpp"
+#include "../temp_folder.hpp"
 
 namespace knurl::shm::socket_tests {
 namespace {
@@ -34,13 +35,6 @@ std::span<const std::byte> bytes_of(std::string_view text) {
 
 class Socket : public testing::Test {
   protected:
-    Socket() {
-        char name[] = "/tmp/knurl-test-XXXXXX";
-        folder_ = ::mkdtemp(name);
-        path_ = folder_ / "default.sock";
-    }
-    ~Socket() override { fs::remove_all(folder_); }
-
     UniqueFd accepted() {
         pollfd event{.fd = listener_.get(), .events = POLLIN, .revents = 0};
         ::poll(&event, 1, 10000);
@@ -53,7 +47,8 @@ class Socket : public testing::Test {
         ASSERT_TRUE(servo_);
     }
 
-    fs::path folder_, path_;
+    test::TempFolder folder_;
+    fs::path path_ = folder_ / "default.sock";
     UniqueFd listener_, client_, servo_;
     std::array<std::byte, 64> buffer_{};
 };
