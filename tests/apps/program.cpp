@@ -20,23 +20,9 @@ namespace knurl::test {
 
 namespace fs = std::filesystem;
 
-Folder::Folder() : path_((fs::temp_directory_path() / "knurl-test-XXXXXX").string()) {
-    if (::mkdtemp(path_.data()) == nullptr) throw std::runtime_error(path_ + ": cannot be made");
-}
-
-Folder::~Folder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-}
-
 Home::Home() {
     ::setenv("KNURL_RUNTIME_DIR", path("").c_str(), 1);
     ::setenv("KNURL_STATE_DIR", path("").c_str(), 1);
-}
-
-std::string Folder::file(const std::string& name, const std::string& text) const {
-    std::ofstream(path(name), std::ios::binary) << text;
-    return path(name);
 }
 
 std::string text_of_file(const std::string& path) {
@@ -44,6 +30,14 @@ std::string text_of_file(const std::string& path) {
     std::stringstream text;
     text << file.rdbuf();
     return text.str();
+}
+
+int number_before(const std::string& text, const std::string& what) {
+    const std::size_t end = text.find(what);
+    if (end == std::string::npos) return -1;
+    std::size_t begin = end;
+    while (begin > 0 && std::isdigit(static_cast<unsigned char>(text[begin - 1])) != 0) --begin;
+    return std::atoi(text.c_str() + begin);
 }
 
 namespace {

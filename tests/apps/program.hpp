@@ -11,6 +11,7 @@
 
 #include "../eventually.hpp"
 #include "../rights.hpp"
+#include "../temp_folder.hpp"
 
 namespace knurl::test {
 
@@ -80,21 +81,7 @@ class OnTerminal {
     shm::UniqueFd terminal_;
 };
 
-/// A directory that is removed with this object.
-class Folder {
-  public:
-    Folder();
-    ~Folder();
-    Folder(const Folder&) = delete;
-    Folder& operator=(const Folder&) = delete;
-
-    std::string path(const std::string& name) const { return path_ + "/" + name; }
-    /// Writes the file and returns its path.
-    std::string file(const std::string& name, const std::string& text) const;
-
-  private:
-    std::string path_;
-};
+using Folder = TempFolder;
 
 /// Can this process start another one without the right to real-time priority?
 Missing missing_loss_of_rights();
@@ -109,5 +96,7 @@ class Home : public Folder {
 };
 
 std::string text_of_file(const std::string& path);
+/// The number before `what` in a text; -1: it does not occur.
+int number_before(const std::string& text, const std::string& what);
 
 }  // namespace knurl::test

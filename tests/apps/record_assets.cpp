@@ -91,14 +91,6 @@ class Ball {
     std::optional<Handle<Shape>> shape_;
 };
 
-int number_before(const std::string& text, const std::string& what) {
-    const std::size_t end = text.find(what);
-    if (end == std::string::npos) return -1;
-    std::size_t begin = end;
-    while (begin > 0 && std::isdigit(static_cast<unsigned char>(text[begin - 1])) != 0) --begin;
-    return std::atoi(text.c_str() + begin);
-}
-
 /// Two applications, one after the other; the second has the first one's ball and two more, of which one
 /// comes in another's place.
 const std::string& recording() {

@@ -77,15 +77,6 @@ const std::string& recording() {
     return made.path;
 }
 
-/// The number before `what` in a text.
-int number_before(const std::string& text, const std::string& what) {
-    const std::size_t end = text.find(what);
-    if (end == std::string::npos) return -1;
-    std::size_t begin = end;
-    while (begin > 0 && std::isdigit(static_cast<unsigned char>(text[begin - 1])) != 0) --begin;
-    return std::atoi(text.c_str() + begin);
-}
-
 void replace(std::string& text, const std::string& from, const std::string& to) {
     const std::size_t at = text.find(from);
     ASSERT_NE(at, std::string::npos) << from;

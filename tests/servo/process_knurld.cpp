@@ -32,17 +32,6 @@ bool readable(int fd, int timeout_ms) {
 
 }  // namespace
 
-Home::Home() {
-    std::string name = (std::filesystem::temp_directory_path() / "knurl-test-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary directory");
-    path_ = name;
-}
-
-Home::~Home() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-}
-
 std::string Home::socket(const std::string& servo) const {
     return (runtime() / (servo + ".sock")).string();
 }

@@ -18,23 +18,20 @@
 #include <knurl/shm/spsc_ring.hpp>
 
 #include "../eventually.hpp"
+#include "../temp_folder.hpp"
 
 namespace knurl::test {
 
 /// A directory of its own for one test's sockets and state, gone afterwards.
 class Home {
   public:
-    Home();
-    ~Home();
-    Home(const Home&) = delete;
-    Home& operator=(const Home&) = delete;
-    std::filesystem::path runtime() const { return path_ / "run"; }
-    std::filesystem::path state() const { return path_ / "state"; }
-    std::filesystem::path path() const { return path_; }
+    std::filesystem::path runtime() const { return folder_ / "run"; }
+    std::filesystem::path state() const { return folder_ / "state"; }
+    std::filesystem::path path() const { return folder_.path(); }
     std::string socket(const std::string& servo = "default") const;
 
   private:
-    std::filesystem::path path_;
+    TempFolder folder_;
 };
 
 std::vector<std::filesystem::path> files_in(const std::filesystem::path& directory);
