@@ -61,27 +61,62 @@ void take_over(const std::filesystem::path& path, const sockaddr_un& address) {
         throw_errno("socket " + path.string() + ": cannot replace the one left behind", "remove it");
 }
 
-/// Held from the probe until this process listens. Otherwise two processes that start together both find the
-/// dead socket, and the slower one removes the faster one's live socket. A lock on the folder leaves no file
-/// behind.
-UniqueFd lock_folder(const std::filesystem::path& folder) {
-    using namespace std::chrono_literals;
-    constexpr int attempts = 200;
-    UniqueFd fd(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-    if (!fd) throw_errno("folder " + folder.string() + ": cannot open", "create it, owned by this user");
-    for (int i = 0; i < attempts; ++i) {
-        if (::flock(fd.get(), LOCK_EX | LOCK_NB) == 0) return fd;
-        if (errno != EWOULDBLOCK && errno != EINTR) break;
-        std::this_thread::sleep_for(10ms);
-    }
-    throw_errno("folder " + folder.string() + ": cannot lock", "is another servo starting? Try again");
+/// Whoever may remove a socket may put another in its place, and would be sent what is meant for this one.
+void require_safe_folder(const std::filesystem::path& folder) {
+    struct stat status {};
+    if (::stat(folder.c_str(), &status) != 0)
+        throw_errno("folder " + folder.string() + ": cannot open", "create it, owned by this user");
+    if (status.st_uid != ::geteuid() && status.st_uid != 0)
+        throw std::runtime_error(
+            "folder " + folder.string() + " belongs to user " + std::to_string(status.st_uid) +
+            ", who could replace the socket; use one of this user's (KNURL_RUNTIME_DIR)");
+    if ((status.st_mode & (S_IWGRP | S_IWOTH)) != 0 && (status.st_mode & S_ISVTX) == 0)
+        throw std::runtime_error("folder " + folder.string() +
+                                 ": others may write there and could replace the socket; run: chmod go-w " +
+                                 folder.string());
 }
+
+/// A lock from the probe until this process listens. Otherwise two processes that start together both find the
+/// dead socket, and the slower one removes the faster one's live socket.
+class StartLock {
+  public:
+    /// Nobody else can open the file, so nobody else can hold the lock.
+    explicit StartLock(const std::filesystem::path& socket)
+        : path_(std::filesystem::path(socket).replace_extension(".lock")) {
+        using namespace std::chrono_literals;
+        constexpr int attempts = 200;
+        for (int i = 0; i < attempts; ++i) {
+            fd_ = UniqueFd(::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600));
+            if (!fd_) throw_errno("file " + path_.string() + ": cannot open", "see the rights of its folder");
+            if (::flock(fd_.get(), LOCK_EX | LOCK_NB) == 0 && still_there()) return;
+            std::this_thread::sleep_for(10ms);
+        }
+        throw std::runtime_error("file " + path_.string() +
+                                 ": another servo has been starting for 2 s; try again, or remove the file");
+    }
+    ~StartLock() { ::unlink(path_.c_str()); }  // while it is locked: see still_there
+    StartLock(const StartLock&) = delete;
+    StartLock& operator=(const StartLock&) = delete;
+
+  private:
+    /// The one before may have removed the file between open and flock.
+    bool still_there() const {
+        struct stat named {
+        }, locked{};
+        return ::lstat(path_.c_str(), &named) == 0 && ::fstat(fd_.get(), &locked) == 0 &&
+               named.st_ino == locked.st_ino && named.st_dev == locked.st_dev;
+    }
+
+    std::filesystem::path path_;
+    UniqueFd fd_;
+};
 
 }  // namespace
 
 UniqueFd listen_at(const std::filesystem::path& path, mode_t mode, int backlog) {
     const sockaddr_un address = address_of(path);
-    const UniqueFd lock = lock_folder(path.has_parent_path() ? path.parent_path() : ".");
+    require_safe_folder(path.has_parent_path() ? path.parent_path() : ".");
+    const StartLock lock(path);
     take_over(path, address);
     UniqueFd fd = new_socket(SOCK_NONBLOCK);
     if (::bind(fd.get(), generic(address), sizeof address) != 0)

@@ -97,6 +97,52 @@ TEST(Time, WhenTheGuardianHasActedTheForceComesBackByTheRamp) {
     EXPECT_EQ(active.state(), DeviceState::active);
 }
 
+TEST(Time, WhileTheGuardianStandsStillNoForceIsOn) {
+    Active active;
+    Servo& servo = active.servo.servo();
+    servo.guardian_is_still(true);
+    double last = active.device.force().z();
+    int cycles = 0;
+    for (; active.state() != DeviceState::fault && cycles < 100; ++cycles) {
+        active.servo.step();
+        EXPECT_LE(last - active.device.force().z(), 2 * 0.5 / 50 + 1e-9) << "N: two ramps, no step";
+        last = active.device.force().z();
+    }
+    EXPECT_NEAR(cycles, 52, 1) << "the ramp, and the cycle after it";
+    EXPECT_EQ(active.faults(), fault::unguarded);
+    EXPECT_EQ(last, 0);
+
+    const auto answer = [&] {
+        return static_cast<protocol::RefusalReason>(active.claim.replies().back().reason);
+    };
+    active.claim.reset_fault();
+    active.servo.step();
+    EXPECT_EQ(answer(), protocol::RefusalReason::cause_persists);
+    servo.guardian_is_still(false);
+    active.servo.step();
+    active.claim.reset_fault();
+    active.claim.arm();
+    run(active.servo, 600);
+    EXPECT_EQ(active.state(), DeviceState::active);
+    EXPECT_EQ(active.faults(), 0u);
+}
+
+TEST(Time, AGuardianThatStandsStillIsNoFaultOfADeviceWithoutForce) {
+    Active active;
+    active.claim.disarm();
+    run(active.servo, 100);
+    ASSERT_EQ(active.state(), DeviceState::idle);
+    active.servo.servo().guardian_is_still(true);
+    run(active.servo, 100);
+    EXPECT_EQ(active.state(), DeviceState::idle);
+    active.claim.arm();
+    for (int i = 0; i < 100; ++i) {
+        active.servo.step();
+        EXPECT_LE(std::abs(active.device.force().z()), 0.5 * 2 / 500 + 1e-9) << "two cycles of the ramp up";
+    }
+    EXPECT_EQ(active.faults(), fault::unguarded);
+}
+
 TEST(Time, ACycleIsLateIfItsWriteEndsAfterTheNextDeadline) {
     PuppetDevice device;
     TickingClock clock;

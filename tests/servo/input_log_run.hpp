@@ -83,6 +83,9 @@ struct RecordedRun {
         if (chance(800)) device.tip.x() = std::nan("");
         if (chance(500)) servo->guardian_acted();
         if (chance(2000)) servo->clock_jumped();
+        // As in Loop::run: said in each cycle.
+        if (still > 0 ? --still == 0 : chance(3000) && (still = 1 + random() % 100, true))
+            servo->guardian_is_still(still > 0);
         applications();
 
         clock.time += 990'000;
@@ -193,7 +196,7 @@ struct RecordedRun {
     std::vector<std::unique_ptr<OfflineClaim>> leaving;
     std::vector<Application> apps;
     std::vector<Report> reports;
-    std::uint64_t n = 0, away = 0, long_cycles = 0;
+    std::uint64_t n = 0, away = 0, long_cycles = 0, still = 0;
     std::unique_ptr<Servo> servo;
 };
 

@@ -44,6 +44,7 @@ priority = 70
 idle = "poll"
 spin = 60e-6
 guardian_stall = 0.05
+memory = 300
 socket_group = "haptics"
 
 [[device]]
@@ -79,6 +80,7 @@ workspace_margin = 1.1
     EXPECT_EQ(config.idle, Idle::poll);
     EXPECT_EQ(config.spin, 60e-6);
     EXPECT_EQ(config.guardian_stall, 0.05);
+    EXPECT_EQ(config.memory, 300);
     EXPECT_EQ(config.socket_group, "haptics");
     ASSERT_EQ(config.devices.size(), 2u);
     EXPECT_EQ(config.devices[0].name, "left");
@@ -149,6 +151,7 @@ TEST(Configuration, EachMistakeIsOneLineWithPlaceReasonAndRemedy) {
         {"spin = \"60us\"\n", {"lab.toml:1:8:", "spin must be a number in s", "not a string"}},
         {"spin = 60\n", {"lab.toml:1:8:", "spin = 60 s", "0 to 0.0002 s"}},
         {"idle = \"hot\"\n", {"lab.toml:1:8:", "idle = \"hot\"", "\"sleep\", \"poll\""}},
+        {"memory = 1\n", {"lab.toml:1:10:", "memory = 1 MiB", "16 to 1.04858e+06 MiB"}},
         {"guardian_stall = 1e-3\n", {"lab.toml:1:18:", "guardian_stall = 0.001 s", "0.02 to 1 s"}},
         {"name = \"a/b\"\n", {"lab.toml:1:8:", "name = \"a/b\"", "a-z"}},
         {"name = \"..\"\n", {"lab.toml:1:8:", "does not begin with a dot"}},

@@ -278,11 +278,11 @@ HeldClaim::HeldClaim(Answer answer)
       sent(reinterpret_cast<shm::WaiterFlag*>(segment.data() +
                                               protocol::claim_layout(terms.capacity).waiter)) {}
 
-void HeldClaim::arm() {
+void HeldClaim::send(protocol::CommandType type) {
     std::array<std::byte, shm::cell_bytes> cell{};
     protocol::CommandHeader header;
     header.cells = 1;
-    header.type = protocol::CommandType::arm;
+    header.type = type;
     header.number = ++issued;
     std::memcpy(cell.data(), &header, sizeof header);
     if (!commands.try_push(cell.data(), 1)) throw std::runtime_error("the command ring is full");

@@ -22,6 +22,12 @@
 
 namespace knurl::test {
 
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+inline constexpr bool sanitized = true;
+#else
+inline constexpr bool sanitized = false;
+#endif
+
 /// A directory of its own for one test's sockets and state, gone afterwards.
 class Home {
   public:
@@ -138,13 +144,17 @@ class DeviceView {
 /// A claim with its command ring.
 struct HeldClaim {
     HeldClaim(Answer answer);
-    void arm();
+    void arm() { send(protocol::CommandType::arm); }
+    void reset_fault() { send(protocol::CommandType::reset_fault); }
 
     protocol::Claimed terms;
     shm::Segment segment;
     shm::SpscProducer commands;
     shm::SentCount sent;
     std::uint64_t issued = 0;
+
+  private:
+    void send(protocol::CommandType type);
 };
 
 }  // namespace knurl::test

@@ -9,19 +9,19 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
+
+#include <knurl/protocol/text.hpp>
+#include <knurl/servo/flight_recorder.hpp>
+#include <knurl/shm/broadcast_ring.hpp>
 
 #include "probe_device.hpp"
 #include "process_knurld.hpp"
 
 namespace knurl::test::process_life_tests {
 namespace {
-
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool sanitized = true;
-#else
-constexpr bool sanitized = false;
-#endif
 
 bool contains(const std::string& whole, const std::string& part) {
     return whole.find(part) != std::string::npos;
@@ -120,6 +120,27 @@ TEST(Life, ASignalEndsItCleanlyAndLeavesNothing) {
     }
 }
 
+TEST(Life, WhateverTheUmaskOthersMayNotWriteWhatItLeaves) {
+    const Home home;
+    const mode_t before = ::umask(0);
+    {
+        Knurld knurld(home);
+        knurld.signal(SIGKILL);
+        knurld.wait();
+        EXPECT_TRUE(eventually([&] {
+            const auto saved = files_in(home.state());
+            return saved.size() == 1 && saved.front().extension() == ".csv";
+        }));
+    }
+    ::umask(before);
+    const auto others_may = [](const std::filesystem::path& path) {
+        return std::filesystem::status(path).permissions() &
+               (std::filesystem::perms::group_write | std::filesystem::perms::others_all);
+    };
+    EXPECT_EQ(others_may(home.state()), std::filesystem::perms::none);
+    EXPECT_EQ(others_may(files_in(home.state()).front()), std::filesystem::perms::none);
+}
+
 TEST(Life, AnActiveDeviceRampsDownBeforeTheServoLeaves) {
     ActiveServo servo;
     servo.knurld->signal(SIGTERM);
@@ -140,6 +161,52 @@ TEST(Guardian, SaysWhyTheLastReportsAreNotSaved) {
     EXPECT_TRUE(contains(knurld.output(), "its devices are zeroed; its last reports could not be saved: " +
                                               home.state().string()))
         << knurld.output();
+}
+
+TEST(FlightRecord, OnAFullDiskTheNewestReportsThatFitAreKept) {
+    shm::Segment memory = shm::Segment::create("knurl-test", protocol::device_layout().total);
+    protocol::DeviceInfo info;
+    protocol::put_text(info.servo, "s");
+    protocol::put_text(info.name, "d");
+    std::memcpy(memory.data() + protocol::device_layout().info, &info, sizeof info);
+    std::byte* ring = memory.data() + protocol::device_layout().reports;
+    shm::broadcast_init(ring);
+    shm::BroadcastWriter reports(ring, protocol::report_slots, sizeof(Report));
+    for (std::uint64_t cycle = 1; cycle <= 1000; ++cycle) {
+        Report report;
+        report.cycle = cycle;
+        reports.publish(&report);
+    }
+    // A limit of the size of files stands for the disk: a write fails behind it in the same way.
+    const Home home;
+    rlimit before{};
+    ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+    rlimit small = before;
+    std::signal(SIGXFSZ, SIG_IGN);
+    const auto with_limit = [&](rlim_t bytes) {
+        small.rlim_cur = bytes;
+        EXPECT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
+        std::string result;
+        try {
+            result = servo::write_flight_record(home.state().string(), memory.data(), "a test");
+        } catch (const std::exception& error) {
+            result = error.what();
+        }
+        ::setrlimit(RLIMIT_FSIZE, &before);
+        return result;
+    };
+    std::ifstream file(with_limit(20'000));
+    std::vector<std::string> lines;
+    for (std::string line; std::getline(file, line);) lines.push_back(line);
+    ASSERT_GT(lines.size(), 50u);
+    EXPECT_TRUE(contains(lines.front(), "the disk was full")) << lines.front();
+    EXPECT_EQ(lines.back().substr(0, 5), "1000,");
+    for (std::size_t i = lines.size() - 1; !lines[i - 1].starts_with("cycle,"); --i)
+        ASSERT_EQ(std::stoi(lines[i]), std::stoi(lines[i - 1]) + 1) << "no gap";
+    EXPECT_EQ(files_in(home.state()).size(), 1u) << "nothing unfinished is left";
+
+    EXPECT_TRUE(contains(with_limit(100), "make room there"));
+    EXPECT_EQ(files_in(home.state()).size(), 1u);
 }
 
 TEST(Guardian, ZeroesTheDeviceAndSavesTheFlightRecorderWhenTheServoIsKilled) {
@@ -231,9 +298,30 @@ TEST(Guardian, TheServoDoesNotGoOnWithoutIt) {
     ActiveServo servo;
     kill(servo.knurld->guardian(), SIGKILL);
     EXPECT_EQ(servo.knurld->wait(), 1);
-    EXPECT_EQ(servo.state(), DeviceState::idle);  // ramped down
+    const DeviceState end = servo.state();  // in fault if the loop also missed its beat
+    EXPECT_TRUE(end == DeviceState::idle || end == DeviceState::fault) << "ramped down";
     EXPECT_TRUE(contains(servo.knurld->output(), "the guardian died")) << servo.knurld->output();
     EXPECT_TRUE(files_in(servo.home.runtime()).empty());
+}
+
+TEST(Guardian, TheServoRampsDownWhileItIsStopped) {
+    ActiveServo servo;
+    kill(servo.knurld->guardian(), SIGSTOP);
+    EXPECT_TRUE(eventually([&] { return servo.state() == DeviceState::fault; }));
+    EXPECT_EQ(servo.view->newest()->faults, fault::unguarded);
+    kill(servo.knurld->guardian(), SIGCONT);
+    // A reset is refused until the servo has seen a beat.
+    std::uint64_t next_try = 0;
+    EXPECT_TRUE(eventually([&] {
+        const Report now = *servo.view->newest();
+        if (now.state == DeviceState::fault && now.cycle >= next_try) {
+            servo.claim->reset_fault();
+            servo.claim->arm();
+            next_try = now.cycle + 50;
+        }
+        return now.state == DeviceState::active;
+    }));
+    EXPECT_TRUE(files_in(servo.home.state()).empty());
 }
 
 TEST(Guardian, IgnoresTheSignalsThatEndAServo) {

@@ -102,6 +102,27 @@ TEST(StallWatch, DoesNotBlameTheServoForAHostThatStopsBoth) {
     }
 }
 
+TEST(GuardianWatch, SaysSoAsLongAsTheGuardianStandsStill) {
+    GuardianWatch watch(40 * ms);
+    Nanoseconds now = 1000 * ms;
+    for (std::uint64_t cycle = 0; cycle < 1000; ++cycle) EXPECT_FALSE(watch.still(now += ms, cycle / 20));
+    int still_after = 0;
+    while (!watch.still(now += ms, 50)) ++still_after;
+    EXPECT_NEAR(still_after, 40, 1);
+    for (int i = 0; i < 1000; ++i) EXPECT_TRUE(watch.still(now += ms, 50));
+    EXPECT_FALSE(watch.still(now += ms, 51));
+}
+
+TEST(GuardianWatch, DoesNotBlameTheGuardianForAHostThatStopsBoth) {
+    GuardianWatch watch(40 * ms);
+    Nanoseconds now = 1000 * ms;
+    std::mt19937 random(1);
+    for (std::uint64_t cycle = 0; cycle < 1000; ++cycle) {
+        now += std::uniform_int_distribution<Nanoseconds>(1, 500)(random) * ms;
+        EXPECT_FALSE(watch.still(now, cycle / 18));
+    }
+}
+
 TEST(StallWatch, LeavesADeviceAloneThatIsNotEnabled) {
     StallWatch watch(20 * ms);
     Nanoseconds now = 0;

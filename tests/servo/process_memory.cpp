@@ -16,6 +16,7 @@
 #include <unistd.h>
 
 #include <knurl/servo/input_log.hpp>
+#include <knurl/servo/memory_budget.hpp>
 
 #include "../huge_view.hpp"
 #include "../rights.hpp"
@@ -50,6 +51,13 @@ std::vector<long> faults_of_servo_threads(pid_t pid) {
         faults.push_back(std::stol(field[7]) + std::stol(field[9]));
     }
     return faults;
+}
+
+bool memory_is_not_locked(Knurld& knurld) {
+    return knurld.output().find("memory is") != std::string::npos;
+}
+std::string no_locked_memory() {
+    return missing("locked memory", "the limit is low", "`ulimit -l unlimited` gives it");
 }
 
 class SharedMemory : public ::testing::Test {
@@ -172,11 +180,8 @@ TEST_F(SharedMemory, WhoLeavesBeforeItMapsLeavesNothing) {
 }
 
 TEST_F(SharedMemory, TheServosThreadHasNoPageFaultWhateverAClientTries) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-    GTEST_SKIP() << "a sanitizer's own memory is paged in as the servo runs";
-#endif
-    if (knurld.output().find("memory is") != std::string::npos)
-        GTEST_SKIP() << missing("locked memory", "the limit is low", "`ulimit -l unlimited` gives it");
+    if (sanitized) GTEST_SKIP() << "a sanitizer's own memory is paged in as the servo runs";
+    if (memory_is_not_locked(knurld)) GTEST_SKIP() << no_locked_memory();
     RawClient client(home);
     const Answer welcome = client.greet();
     ASSERT_TRUE(welcome.welcome);
@@ -209,6 +214,69 @@ TEST_F(SharedMemory, TheServosThreadHasNoPageFaultWhateverAClientTries) {
         ASSERT_TRUE(eventually([&] { return cycles() > now + 2; }));
     }
     EXPECT_EQ(faults_of_servo_threads(knurld.pid()), before);
+}
+
+TEST(MemoryBudget, WhatClientsTakeTogetherHasABoundAndComesBack) {
+    const Home home;
+    const std::string file = (home.path() / "small.toml").string();
+    std::ofstream(file) << "memory = 16\n[[device]]\naddress = \"sim:premium15\"\n";
+    const Knurld knurld(home, {"--config", file});
+    protocol::ClaimRequest request{.shared = 1};
+    request.capacity = {.representations = 1024, .batch_bytes = protocol::batch_bytes_for(1024)};
+    for (int round = 0; round < 3; ++round) {
+        SCOPED_TRACE(round);
+        RawClient client(home);
+        const Answer welcome = client.greet();
+        std::vector<protocol::Claimed> held;
+        Answer answer = client.claim(request);
+        for (; answer.claimed; answer = client.claim(request)) held.push_back(*answer.claimed);
+        EXPECT_EQ(held.size(), 16u * (1 << 20) / servo::claim_bytes(request.capacity));
+        EXPECT_THAT(text(answer), HasSubstr("of the 16 MiB that clients of this servo may take"));
+        EXPECT_THAT(text(answer), HasSubstr("raise memory in the servo's configuration"));
+        client.hang_up();
+        const DeviceView view(welcome.fds.at(0).get());
+        ASSERT_TRUE(eventually([&] { return view.held_rows() == 0; }));
+    }
+}
+
+long resident_kib(pid_t pid) {
+    std::ifstream status("/proc/" + std::to_string(pid) + "/status");
+    for (std::string line; std::getline(status, line);)
+        if (line.starts_with("VmRSS:")) return std::stol(line.substr(6));
+    return -1;
+}
+
+TEST(MemoryBudget, AClaimIsChargedWhatItTakesAndLeavesAlmostNothing) {
+    if (sanitized) GTEST_SKIP() << "sanitizers multiply memory";
+    const Home home;
+    Knurld knurld(home);
+    if (memory_is_not_locked(knurld)) GTEST_SKIP() << no_locked_memory();
+    constexpr long claims = 16;
+    long after_the_first_round = 0;
+    for (const std::uint32_t representations : {1024u, 1024u, 1024u, 128u, 1u}) {
+        SCOPED_TRACE(representations);
+        const long before = resident_kib(knurld.pid());
+        protocol::ClaimRequest request{.shared = 1};
+        request.capacity = {.representations = representations,
+                            .batch_bytes = protocol::batch_bytes_for(representations)};
+        RawClient client(home);
+        const Answer welcome = client.greet();
+        for (long i = 0; i < claims; ++i) {
+            const Answer answer = client.claim(request);
+            ASSERT_TRUE(answer.claimed) << text(answer);
+        }
+        const long taken = resident_kib(knurld.pid()) - before;
+        const long charged = claims * static_cast<long>(servo::claim_bytes(request.capacity) / 1024);
+        if (after_the_first_round == 0) {  // later ones use what the first has left to malloc
+            EXPECT_LE(taken, charged);
+            EXPECT_GE(taken, charged * 8 / 10);
+        }
+        client.hang_up();
+        const DeviceView view(welcome.fds.at(0).get());
+        ASSERT_TRUE(eventually([&] { return view.held_rows() == 0; }));
+        if (after_the_first_round == 0) after_the_first_round = resident_kib(knurld.pid());
+        EXPECT_LE(resident_kib(knurld.pid()), after_the_first_round + 64) << "KiB: it does not grow";
+    }
 }
 
 }  // namespace

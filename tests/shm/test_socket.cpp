@@ -7,6 +7,7 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <poll.h>
+#include <sys/file.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -16,6 +17,7 @@
 
 #include "../lingering.hpp"
 #include "../refusal.hpp"
+#include "../rights.hpp"
 #include "../temp_folder.hpp"
 
 namespace knurl::shm::socket_tests {
@@ -240,6 +242,30 @@ TEST_F(Socket, NeverRemovesAFileThatIsNotASocket) {
     std::ofstream(path_) << "precious";
     EXPECT_NE(test::refusal_of([&] { listen_at(path_, 0660, 8); }), "accepted");
     EXPECT_EQ(fs::file_size(path_), 8u);
+}
+
+TEST_F(Socket, NobodyElsesLockOnTheFolderKeepsItFromStarting) {
+    const fs::path folder = path_.parent_path();
+    const UniqueFd held(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+    ASSERT_EQ(::flock(held.get(), LOCK_EX), 0);
+    connect();
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder), fs::directory_iterator()), 1) << "the socket";
+}
+
+TEST_F(Socket, InAFolderInWhichOthersMayReplaceItItIsRefused) {
+    const fs::path folder = path_.parent_path();
+    ASSERT_EQ(::chmod(folder.c_str(), 0777), 0);
+    const std::string writable = test::refusal_of([&] { listen_at(path_, 0660, 8); });
+    EXPECT_NE(writable.find("others may write there"), std::string::npos) << writable;
+    ASSERT_EQ(::chmod(folder.c_str(), 01777), 0);
+    listener_ = listen_at(path_, 0660, 8);  // sticky, like /tmp: only its owner may remove a socket
+    listener_.reset();
+    ASSERT_EQ(::chmod(folder.c_str(), 0755), 0);
+    KNURL_NEEDS(knurl::test::missing_other_user());
+    ASSERT_EQ(::chown(folder.c_str(), 12345, static_cast<gid_t>(-1)), 0);
+    const std::string foreign = test::refusal_of([&] { listen_at(path_, 0660, 8); });
+    EXPECT_NE(foreign.find("belongs to user 12345"), std::string::npos) << foreign;
+    ASSERT_EQ(::chown(folder.c_str(), ::geteuid(), static_cast<gid_t>(-1)), 0);
 }
 
 TEST_F(Socket, SaysWhatToDoAboutAPathThatCannotBe) {

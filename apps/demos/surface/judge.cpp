@@ -150,6 +150,7 @@ std::string fault_text(std::uint32_t faults) {
         {knurl::fault::kinematics, "no pose for the joints"},
         {knurl::fault::guardian, "servo stalled"},
         {knurl::fault::overload, "cycles longer than the period"},
+        {knurl::fault::unguarded, "guardian stood still"},
     };
     std::string text;
     for (const auto& [bit, name] : names)

@@ -119,6 +119,10 @@ void require_private(const std::filesystem::path& file, int fd) {
     struct stat status {};
     if (::fstat(fd, &status) != 0) refuse(file, "cannot be read: " + system_text(errno));
     if (!S_ISREG(status.st_mode)) refuse(file, "is not a regular file");
+    if (status.st_uid != ::geteuid() && status.st_uid != 0)
+        refuse(file, "belongs to user " + std::to_string(status.st_uid) +
+                         ", who could add keys; run: chown " + std::to_string(::geteuid()) + ' ' +
+                         file.string());
     if ((status.st_mode & 077) != 0)
         refuse(file,
                "others may read or write it, and who reads it can move a motor; chmod 600 " + file.string());

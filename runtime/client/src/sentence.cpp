@@ -26,6 +26,7 @@ constexpr std::array fault_bits{
     Named{fault::kinematics, "no pose for the joints"},
     Named{fault::guardian, "the servo stood still and the guardian zeroed the device"},
     Named{fault::overload, "the servo's cycles took longer than its period"},
+    Named{fault::unguarded, "the servo's guardian process stood still"},
 };
 
 std::string reason(const protocol::Reply& reply) {

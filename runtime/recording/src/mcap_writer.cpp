@@ -52,7 +52,7 @@ std::string record(Op op, std::string_view content) {
 }  // namespace
 
 McapWriter::McapWriter(const std::string& path, const std::string& library, Existing existing)
-    : path_(path), file_(::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666)) {
+    : path_(path), file_(::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0644)) {
     if (!file_)
         throw std::runtime_error(fmt::format("{}: cannot be written: {}", path, std::strerror(errno)));
     struct stat there {};

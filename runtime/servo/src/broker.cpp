@@ -22,6 +22,7 @@
 
 #include "asset_service.hpp"
 #include "attach_messages.hpp"
+#include "fair_share.hpp"
 #include "recording_service.hpp"
 
 namespace knurl::servo {
@@ -62,7 +63,10 @@ struct Connection {
 
 struct Broker::Impl {
     explicit Impl(BrokerOptions stated)
-        : options(std::move(stated)), closer(options.closer), assets(options.builder) {}
+        : options(std::move(stated)),
+          closer(options.closer),
+          memory(options.memory),
+          assets(options.builder) {}
     ~Impl() {
         assets.end();  // it holds some of the sockets as well
         for (auto& [id, connection] : connections) closer.close(std::move(connection.socket));
@@ -71,7 +75,8 @@ struct Broker::Impl {
     Impl& operator=(const Impl&) = delete;
 
     BrokerOptions options;
-    Closer& closer;  // of every socket on which a client may have sent something
+    Closer& closer;       // of every socket on which a client may have sent something
+    MemoryBudget memory;  // outlives the tables, which give theirs back
     AssetService assets;
     std::uint64_t watched_build = 0;
     shm::UniqueFd epoll{epoll_create1(EPOLL_CLOEXEC)};
@@ -132,15 +137,6 @@ struct Broker::Impl {
                               .peer = {},
                               .holdings = {},
                               .recording = {}};
-        if (connections.size() >= broker_bounds::connections) {
-            protocol::Refused no_place{.full = 1};
-            protocol::put_text(no_place.text,
-                               fmt::format("servo \"{}\" has {} connections, which is all it takes; end one",
-                                           options.servo_name, broker_bounds::connections));
-            shm::send_message(connection.socket, bytes_of(no_place));
-            closer.close(std::move(connection.socket));
-            return;
-        }
         const std::uint64_t id = next_id++;
         try {
             const auto credentials = shm::credentials_of(connection.socket);
@@ -183,6 +179,7 @@ struct Broker::Impl {
     static bool refuse(const Connection& to, const RequestRefused& why) {
         protocol::Refused message;
         message.holder_pid = static_cast<std::uint32_t>(why.holder_pid);
+        message.full = why.full ? 1 : 0;
         protocol::put_text(message.text, why.what());
         return shm::send_message(to.socket, bytes_of(message));
     }
@@ -289,6 +286,7 @@ struct Broker::Impl {
                             "{:016x}; rebuild the one and restart the other",
                             hello.layout, options.servo_name, protocol::wire_hash()));
         }
+        require_place(connection.peer);
         connection.greeted = true;
         --half_open;
         connection.peer.name = protocol::printable(hello.client);
@@ -302,6 +300,30 @@ struct Broker::Impl {
             segments.push_back(tables[i]->device().segment.fd());
         }
         return shm::send_message(connection.socket, bytes_of(welcome), segments);
+    }
+
+    /// Only who has said Hello is told, and counted: a socket that is closed with an unread message shows its
+    /// owner a reset in place of our answer.
+    void require_place(const Peer& peer) const {
+        std::size_t left = broker_bounds::connections;
+        Share held;
+        for (const auto& [id, other] : connections) {
+            if (!other.greeted) continue;
+            --left;
+            held.count(other.peer, peer);
+        }
+        if (left == 0)
+            throw RequestRefused::no_place(
+                fmt::format("servo \"{}\" has {} connections, which is all it takes; end one",
+                            options.servo_name, broker_bounds::connections));
+        if (may_take(held, peer, left)) return;
+        const bool process = held.by_process >= left;
+        throw RequestRefused::no_place(fmt::format(
+            "{} {} holds {} connections of servo \"{}\" and leaves {} of {}, and nobody may hold "
+            "more than that; end one",
+            process ? "process" : "user",
+            process ? static_cast<std::uint64_t>(peer.pid) : std::uint64_t{peer.uid},
+            process ? held.by_process : held.by_user, options.servo_name, left, broker_bounds::connections));
     }
 
     std::string is_ending() const {
@@ -525,7 +547,7 @@ struct Broker::Impl {
 Broker::Broker(BrokerOptions options, std::vector<HostedDevice> devices, shm::Waker& waker)
     : impl_(std::make_unique<Impl>(std::move(options))) {
     for (HostedDevice& device : devices) {
-        impl_->tables.push_back(std::make_unique<ClaimTable>(std::move(device), waker));
+        impl_->tables.push_back(std::make_unique<ClaimTable>(std::move(device), waker, impl_->memory));
     }
     impl_->watch(impl_->options.signals.get(), signalled);
     if (impl_->options.guardian_pidfd >= 0) impl_->watch(impl_->options.guardian_pidfd, guardian_gone);

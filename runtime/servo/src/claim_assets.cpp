@@ -12,7 +12,7 @@ namespace knurl::servo {
 std::uint64_t ClaimTable::asset_bytes(const Row& row) noexcept {
     std::uint64_t bytes = 0;
     for (const RowAsset& one : row.assets)
-        if (one.asset) bytes += one.asset->bytes();
+        if (one.held) bytes += one.held->asset->bytes();
     return bytes;
 }
 
@@ -42,8 +42,9 @@ std::uint64_t ClaimTable::expect_asset(std::uint64_t key, std::uint32_t number, 
         throw RequestRefused(
             fmt::format("asset: {} bytes, besides {} that the claim holds; a claim may hold {}", bytes, held,
                         protocol::max_asset_bytes));
+    const std::uint64_t left = require_memory("asset: its source", bytes);
     row->assets[number - 1].stage = RowAsset::Stage::building;
-    return protocol::max_asset_bytes - held;
+    return std::min(protocol::max_asset_bytes - held, left);
 }
 
 void ClaimTable::expect_no_asset(std::uint64_t key, std::uint32_t number) noexcept {
@@ -63,9 +64,12 @@ void ClaimTable::give_asset(std::uint64_t key, std::uint32_t number, std::unique
         throw RequestRefused(
             fmt::format("asset: {} bytes, besides {} that the claim holds by now; a claim may hold {}",
                         asset->bytes(), held, protocol::max_asset_bytes));
+    require_memory("asset: it", asset->bytes());
+    auto kept = std::make_unique<HeldAsset>(HeldAsset{{memory_, asset->bytes()}, nullptr});
     if (!device_.servo.give(row->claim.get(), number, asset.get(), digest))
         throw RequestRefused(fmt::format("asset: the servo of \"{}\" is busy; send it again", device_.name));
-    place = {.stage = RowAsset::Stage::there, .asset = std::move(asset)};
+    kept->asset = std::move(asset);
+    place = {.stage = RowAsset::Stage::there, .held = std::move(kept)};
 }
 
 void ClaimTable::forget_asset(std::uint64_t key, std::uint32_t number) {

@@ -9,6 +9,8 @@
 
 #include <knurl/servo/claim_table.hpp>
 
+#include "fair_share.hpp"
+
 namespace knurl::servo {
 
 namespace {
@@ -30,7 +32,8 @@ bool bounded(double value, double most) {
 
 }  // namespace
 
-ClaimTable::ClaimTable(HostedDevice device, shm::Waker& waker) : device_(std::move(device)), waker_(waker) {}
+ClaimTable::ClaimTable(HostedDevice device, shm::Waker& waker, MemoryBudget& memory)
+    : device_(std::move(device)), waker_(waker), memory_(memory) {}
 
 ClaimTable::~ClaimTable() {
     for (std::uint32_t row = 0; row < rows_.size(); ++row) {
@@ -87,16 +90,48 @@ void ClaimTable::require_free_for(const protocol::ClaimRequest& request) const {
     }
 }
 
+void ClaimTable::require_share_of(const protocol::ClaimRequest& request, const Peer& peer) const {
+    std::size_t free = 0;
+    Share held;
+    for (const Row& row : rows_) {
+        if (row.stage == Stage::free)
+            ++free;
+        else
+            held.count(row.peer, peer);
+    }
+    const std::size_t reserved =
+        request.observe == protocol::observe_only ? claim_bounds::rows_for_claims : 0;
+    const std::size_t left = free > reserved ? free - reserved : 0;
+    if (left == 0)
+        throw RequestRefused(fmt::format(
+            "device \"{}\" has {} clients, which is all it takes{}; end one of them", device_.name,
+            protocol::max_clients - free, reserved > 0 ? " but for those that claim it" : ""));
+    if (may_take(held, peer, left)) return;
+    throw RequestRefused(fmt::format(
+        "device \"{}\": {} {} holds {} of its {} places and leaves {}, and nobody may hold more than that; "
+        "end one of them",
+        device_.name, held.by_process >= left ? "process" : "user",
+        held.by_process >= left ? static_cast<std::uint64_t>(peer.pid) : std::uint64_t{peer.uid},
+        held.by_process >= left ? held.by_process : held.by_user, protocol::max_clients, left));
+}
+
+std::uint64_t ClaimTable::require_memory(const char* what, std::uint64_t bytes) const {
+    constexpr double mib = 1 << 20;
+    if (bytes <= memory_.left()) return memory_.left();
+    throw RequestRefused(
+        fmt::format("{} takes {:.1f} MiB, and of the {:.0f} MiB that clients of this servo may take {:.1f} "
+                    "are left; free "
+                    "some, or raise memory in the servo's configuration",
+                    what, static_cast<double>(bytes) / mib, static_cast<double>(memory_.total()) / mib,
+                    static_cast<double>(memory_.left()) / mib));
+}
+
 Grant ClaimTable::grant(const protocol::ClaimRequest& request, const Peer& peer) {
     require_sane(request);
     require_free_for(request);
+    require_share_of(request, peer);
     const auto found =
         std::find_if(rows_.begin(), rows_.end(), [](const Row& row) { return row.stage == Stage::free; });
-    if (found == rows_.end()) {
-        throw RequestRefused(
-            fmt::format("device \"{}\" has {} clients, which is all it takes; end one of them", device_.name,
-                        protocol::max_clients));
-    }
     const auto index = static_cast<std::uint32_t>(found - rows_.begin());
 
     const bool observer = request.observe != 0;
@@ -112,7 +147,11 @@ Grant ClaimTable::grant(const protocol::ClaimRequest& request, const Peer& peer)
     terms.observer = observer;
     terms.shared = request.shared != 0;
 
+    const std::uint64_t bytes = claim_bytes(terms.capacity);
+    require_memory("claim: it", bytes);
+
     Row fresh;  // enters the table only when it is complete
+    fresh.memory = {memory_, bytes};
     shm::WakePair wake;
     try {
         fresh.segment = shm::Segment::create("knurl-claim", protocol::claim_layout(terms.capacity).total);
@@ -122,7 +161,7 @@ Grant ClaimTable::grant(const protocol::ClaimRequest& request, const Peer& peer)
         fresh.observer = observer;
         fresh.shared = terms.shared;
         fresh.peer = peer;
-        fresh.trusted = peer.uid == 0 || peer.uid == ::geteuid();
+        fresh.trusted = trusted(peer);
         terms.woken_by_servo = fresh.trusted ? 1 : 0;
         if (getrandom(&fresh.key, sizeof fresh.key, 0) != sizeof fresh.key)
             throw std::runtime_error("no random numbers");

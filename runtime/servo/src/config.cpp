@@ -179,6 +179,8 @@ DaemonConfig read_daemon(const toml::table& table, const std::string& path) {
             config.spin = read.number(node, ranges::spin);
         else if (name == "guardian_stall")
             config.guardian_stall = read.number(node, ranges::guardian_stall);
+        else if (name == "memory")
+            config.memory = read.number(node, ranges::memory);
         else if (name == "socket_group")
             config.socket_group = read.text(node, name);
         else if (name == "idle") {
@@ -196,7 +198,7 @@ DaemonConfig read_daemon(const toml::table& table, const std::string& path) {
             }
         } else {
             throw read.unknown(key, {"name", "rate", "cpu", "priority", "idle", "spin", "guardian_stall",
-                                     "socket_group", "device"});
+                                     "memory", "socket_group", "device"});
         }
     }
     return config;
@@ -270,6 +272,7 @@ void check(const DaemonConfig& config) {
     if (config.rate != 0) require_within(ranges::rate, config.rate, "");
     require_within(ranges::spin, config.spin, "");
     require_within(ranges::guardian_stall, config.guardian_stall, "");
+    if (config.memory != 0) require_within(ranges::memory, config.memory, "");
     require_within(ranges::priority, config.priority, "");
     if (config.cpu != -1) require_within(ranges::cpu, config.cpu, "");
     if (config.priority != 0 && config.priority < ranges::lowest_priority) {
@@ -334,8 +337,8 @@ std::string config_help() {
         help += fmt::format("  {:<36} {}\n", key, rest);
     };
     line("name", "of the servo, \"default\"");
-    for (const Range& range :
-         {ranges::rate, ranges::cpu, ranges::priority, ranges::spin, ranges::guardian_stall}) {
+    for (const Range& range : {ranges::rate, ranges::cpu, ranges::priority, ranges::spin,
+                               ranges::guardian_stall, ranges::memory}) {
         line(range.key, allowed(range));
     }
     line("idle", "\"sleep\" or \"poll\"");

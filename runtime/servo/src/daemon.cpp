@@ -15,6 +15,7 @@
 #include <grp.h>
 #include <sys/resource.h>
 #include <sys/signalfd.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <knurl/drivers/motion.hpp>
@@ -206,10 +207,16 @@ struct Station {
                 "more than the 0.1 N s for a device without a watchdog; limits.peak_force = {:g} keeps it",
                 impulse_bound / longest_hold);
         }
-        return fmt::format(
-            "  {}: {} at {:g} Hz, k_max {:.0f} N/m, peak {:g} N; held for {:g} ms that is {:.3g} N s, {}{}",
+        std::string lines = fmt::format(
+            "  {}: {} at {:g} Hz, k_max {:.0f} N/m, peak {:g} N; held for {:g} ms that is {:.3g} N s, {}",
             config.name, config.address, config.rate, max_stiffness(link, config.rate), peak_force(),
-            longest_hold * 1e3, impulse, rule, link.description.empty() ? "" : "\n    " + link.description);
+            longest_hold * 1e3, impulse, rule);
+        if (!link.has_watchdog)
+            lines +=
+                "\n    without a watchdog it keeps its last force while knurld and its guardian are both "
+                "stopped";
+        if (!link.description.empty()) lines += "\n    " + link.description;
+        return lines;
     }
 };
 
@@ -263,6 +270,11 @@ std::string lateness_line(const DaemonConfig& config, int cpu, bool polling) {
     return fmt::format("{}, spin {:g} us", line, config.spin * 1e6);
 }
 
+std::uint64_t memory_budget(const DaemonConfig& config) {
+    return config.memory > 0 ? static_cast<std::uint64_t>(config.memory * (1 << 20))
+                             : default_memory_budget();
+}
+
 ServoOptions servo_options(const DeviceConfig& device) {
     ServoOptions options;
     options.rate = device.rate;
@@ -283,6 +295,7 @@ int loop_priority(const DaemonConfig& config, const std::vector<std::unique_ptr<
 
 int run_daemon(const DaemonConfig& config) {
     check(config);
+    ::umask(::umask(0) | 027);  // sockets say otherwise, explicitly
     tame_malloc();
     shm::UniqueFd signals = take_signals();
     raise_descriptor_limit();
@@ -316,8 +329,11 @@ int run_daemon(const DaemonConfig& config) {
         station.servo = std::make_unique<Servo>(*station.device, station.clock, station.segment.data(),
                                                 servo_options(station.config));
         station.loop = std::make_unique<Loop>(
-            *station.servo, waker, station.counters(), guardian.acts(i),
-            LoopOptions{.rate = station.config.rate, .spin = static_cast<Nanoseconds>(config.spin * 1e9)});
+            *station.servo, waker, station.counters(), guardian.signs(i),
+            LoopOptions{.rate = station.config.rate,
+                        .spin = static_cast<Nanoseconds>(config.spin * 1e9),
+                        .guardian_patience = guardian.real_time() ? GuardianWatch::patience
+                                                                  : GuardianWatch::ordinary_patience});
         hosted.push_back({.name = station.config.name,
                           .link = station.device->link(),
                           .servo = *station.servo,
@@ -332,7 +348,8 @@ int run_daemon(const DaemonConfig& config) {
                    .listener = shm::UniqueFd(fcntl(door.socket().get(), F_DUPFD_CLOEXEC, 0)),
                    .signals = std::move(signals),
                    .guardian_pidfd = guardian.pidfd(),
-                   .closer = closer},
+                   .closer = closer,
+                   .memory = memory_budget(config)},
                   std::move(hosted), waker);
 
     // Destroyed in reverse order: loops, then the waker, then the claims that both used, then servos and

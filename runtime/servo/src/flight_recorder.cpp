@@ -4,16 +4,19 @@
 #include <ctime>
 #include <filesystem>
 #include <iterator>
-#include <memory>
+#include <span>
 #include <stdexcept>
 #include <string_view>
+#include <vector>
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include <knurl/protocol/device_segment.hpp>
 #include <knurl/servo/flight_recorder.hpp>
 #include <knurl/shm/broadcast_ring.hpp>
+#include <knurl/shm/fd.hpp>
 
 namespace knurl::servo {
 
@@ -38,9 +41,43 @@ std::string utc_now() {
                                                                      // second apart
 }
 
-struct Close {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-};
+/// Writes all of `text` at the file's position. False: there is no room for all of it.
+bool write_all(int file, std::string_view text) {
+    while (!text.empty()) {
+        const ssize_t n = ::write(file, text.data(), text.size());
+        if (n < 0 && errno == EINTR) continue;
+        if (n <= 0) return false;
+        text.remove_prefix(static_cast<std::size_t>(n));
+    }
+    return true;
+}
+
+/// Writes the header and the rows; on a full disk as many of the newest rows as there is room for. False: not
+/// even one.
+bool write_newest(int file, const std::string& header, std::span<const std::string> rows) {
+    std::string text = header;
+    for (const std::string& row : rows) text += row;
+    if (write_all(file, text)) return true;
+
+    const off_t fits = ::lseek(file, 0, SEEK_CUR);
+    const std::string note = "# the disk was full: only the newest reports are here\n";
+    // Others write to the disk as well: with less room than before, try half of it.
+    for (std::size_t room = fits > 0 ? static_cast<std::size_t>(fits) : 0; room > 0; room /= 2) {
+        const std::size_t head = note.size() + header.size();
+        std::size_t kept = 0;
+        for (std::size_t bytes = head; kept < rows.size(); ++kept) {
+            bytes += rows[rows.size() - 1 - kept].size();
+            if (bytes > room) break;
+        }
+        if (kept == 0) break;
+        text = note + header;
+        for (const std::string& row : rows.last(kept)) text += row;
+        if (::ftruncate(file, 0) == 0 && ::lseek(file, 0, SEEK_SET) == 0 && write_all(file, text))
+            return true;
+    }
+    errno = ENOSPC;
+    return false;
+}
 
 }  // namespace
 
@@ -89,7 +126,8 @@ std::string write_flight_record(const std::string& directory, const std::byte* d
 
     std::error_code ignored;  // an error shows in the open below
     std::filesystem::create_directories(directory, ignored);
-    std::unique_ptr<std::FILE, Close> file(std::fopen(unfinished.c_str(), "we"));
+    const shm::UniqueFd file(
+        ::open(unfinished.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0640));
     if (!file) throw failed(unfinished);
 
     fmt::memory_buffer text;
@@ -104,17 +142,12 @@ std::string write_flight_record(const std::string& directory, const std::byte* d
 
     const std::uint64_t end = reports.published();
     const std::uint64_t readable = protocol::report_slots - 1;
-    bool written = true;
+    std::vector<std::string> rows;
     for (std::uint64_t n = end > readable ? end - readable : 0; n < end; ++n) {
         Report report;
-        if (reports.at(n, &report)) text.append(report_row(report));
-        if (text.size() > 64 * 1024 || n + 1 == end) {
-            written = written && std::fwrite(text.data(), 1, text.size(), file.get()) == text.size();
-            text.clear();
-        }
+        if (reports.at(n, &report)) rows.push_back(report_row(report));
     }
-    written = written && std::fwrite(text.data(), 1, text.size(), file.get()) == text.size();
-    written = written && std::fflush(file.get()) == 0;
+    const bool written = write_newest(file.get(), fmt::to_string(text), rows);
     if (!written || std::rename(unfinished.c_str(), path.c_str()) != 0) {
         const auto error = failed(unfinished);
         std::remove(unfinished.c_str());

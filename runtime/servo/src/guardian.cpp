@@ -31,10 +31,13 @@ namespace {
 /// Memory shared by servo and guardian, written only by the guardian.
 struct Board {
     std::array<std::atomic<std::uint64_t>, protocol::max_devices> acts;
+    std::atomic<std::uint64_t> beat;
 };
 
 constexpr char goodbye_byte = 'G';
-constexpr int idle_tick_ms = 20;  // no device is enabled: a force takes far longer than this to ramp up
+constexpr char watching_in_real_time = 'R', watching = 'W';  // the guardian's first and only word
+// No device is enabled: a force takes far longer than this to ramp up.
+constexpr int idle_tick_ms = GuardianWatch::idle_tick / 1'000'000;
 
 shm::UniqueFd open_pidfd(pid_t pid) {
     return shm::UniqueFd(static_cast<int>(syscall(SYS_pidfd_open, pid, 0)));
@@ -142,6 +145,7 @@ void keep_watch(std::vector<Watched>& devices, Board& board, int line, int servo
     bool any_enabled = false;
     ServoState state = ServoState::runs;
     while (state == ServoState::runs) {
+        board.beat.fetch_add(1, std::memory_order_relaxed);
         any_enabled = zero_stalled(devices, board, clock, any_enabled && servo.stopped());
         const int tick_ms = any_enabled ? static_cast<int>(StallWatch::period / 1'000'000) : idle_tick_ms;
         state = wait_for_news(line, servo_pidfd, tick_ms);
@@ -171,6 +175,14 @@ bool StallWatch::tick(Nanoseconds now, std::uint64_t beat, bool enabled, bool st
     if (acted_ || still_ <= (stopped ? period : stall_)) return false;
     acted_ = true;
     return true;
+}
+
+bool GuardianWatch::still(Nanoseconds now, std::uint64_t beat) noexcept {
+    const Nanoseconds ran = last_ == 0 ? 0 : std::min(now - last_, longest_cycle);
+    last_ = now;
+    still_for_ = beat == beat_ ? still_for_ + ran : 0;
+    beat_ = beat;
+    return still_for_ > patience_;
 }
 
 Guardian::Guardian(std::span<const GuardedDevice> devices, const GuardianOptions& options)
@@ -210,6 +222,8 @@ Guardian::Guardian(std::span<const GuardedDevice> devices, const GuardianOptions
                                                         protocol::report_slots, sizeof(Report)),
                                    StallWatch(static_cast<Nanoseconds>(options.stall * 1e9))});
             }
+            const char word = sched_getscheduler(0) == SCHED_FIFO ? watching_in_real_time : watching;
+            send(guardians_end.get(), &word, 1, MSG_NOSIGNAL);
             keep_watch(watched, board, guardians_end.get(), servo_pidfd.get(), servo,
                        options.state_directory);
         } catch (const std::exception& error) {
@@ -220,14 +234,22 @@ Guardian::Guardian(std::span<const GuardedDevice> devices, const GuardianOptions
     }
     pidfd_ = open_pidfd(pid_);
     if (!pidfd_) throw system_error("pidfd_open of the guardian");
+    guardians_end.reset();
+    char word = 0;
+    ssize_t received = 0;
+    do received = recv(line_.get(), &word, 1, 0);
+    while (received < 0 && errno == EINTR);
+    if (received != 1) throw std::runtime_error("knurld: the guardian ended before it watched");
+    real_time_ = word == watching_in_real_time;
 }
 
 Guardian::~Guardian() {
     goodbye();
 }
 
-const std::atomic<std::uint64_t>& Guardian::acts(std::size_t i) const {
-    return reinterpret_cast<const Board*>(board_.data())->acts[i];
+GuardianSigns Guardian::signs(std::size_t i) const {
+    const Board& board = *reinterpret_cast<const Board*>(board_.data());
+    return {.acts = board.acts[i], .beat = board.beat};
 }
 
 void Guardian::goodbye() noexcept {

@@ -78,15 +78,16 @@ void Deadlines::advance(Nanoseconds now) noexcept {
     }
 }
 
-Loop::Loop(Servo& servo, shm::Waker& waker, const shm::Counters& counters,
-           const std::atomic<std::uint64_t>& guardian_acts, const LoopOptions& options)
-    : servo_(servo), waker_(waker), counters_(counters), guardian_acts_(guardian_acts), options_(options) {}
+Loop::Loop(Servo& servo, shm::Waker& waker, const shm::Counters& counters, const GuardianSigns& guardian,
+           const LoopOptions& options)
+    : servo_(servo), waker_(waker), counters_(counters), guardian_(guardian), options_(options) {}
 
 void Loop::run() noexcept {
     MonotonicClock clock;
     Deadlines deadlines(options_.rate, options_.stall);
     SuspendWatch suspend;
-    std::uint64_t acts_seen = guardian_acts_.load(std::memory_order_acquire);
+    GuardianWatch guardian_watch(options_.guardian_patience);
+    std::uint64_t acts_seen = guardian_.acts.load(std::memory_order_acquire);
     deadlines.start(clock.now() + static_cast<Nanoseconds>(1e9 / options_.rate));
     while (!stop_.load(std::memory_order_relaxed)) {
         const Nanoseconds deadline = deadlines.current();
@@ -102,11 +103,12 @@ void Loop::run() noexcept {
         // guardian: ++acts (rel) ─sb─> zeroes the device. Here: acts (acq), and a new value sets gain 0 and
         // ramps up. Pairs with keep_watch's release. A servo that was stopped between this load and the write
         // still writes one force when it continues; the next cycle finds the word.
-        const std::uint64_t acts = guardian_acts_.load(std::memory_order_acquire);
+        const std::uint64_t acts = guardian_.acts.load(std::memory_order_acquire);
         if (acts != acts_seen) {
             acts_seen = acts;
             servo_.guardian_acted();
         }
+        servo_.guardian_is_still(guardian_watch.still(now, guardian_.beat.load(std::memory_order_relaxed)));
         if (suspend.slept(now)) servo_.clock_jumped();
         servo_.step(deadline, now);
         if (waker_.wake(servo_.wake_targets()) > 0)

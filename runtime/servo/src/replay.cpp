@@ -253,6 +253,7 @@ const Report* Replay::step(const CycleInput& cycle) {
     given.calibrated = (cycle.flags & CycleInput::calibrated) != 0;
     given.buttons = cycle.buttons;
     if ((cycle.flags & CycleInput::guardian) != 0) servo_->guardian_acted();
+    servo_->guardian_is_still((cycle.flags & CycleInput::guardian_still) != 0);
     if ((cycle.flags & CycleInput::jumped) != 0) servo_->clock_jumped();
     servo_->impl_->load.set_ppm(cycle.load_ppm);
     servo_->step(cycle.deadline, cycle.now);

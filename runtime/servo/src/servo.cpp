@@ -76,8 +76,18 @@ double Servo::Impl::begin_cycle(Nanoseconds deadline, Nanoseconds now) noexcept 
     }
     if (guardian) supervisor.hold();
     watch_load();
+    if (guardian_still) stop_for(fault::unguarded);
+    if (stopping != 0 && !supervisor.powered()) supervisor.raise(std::exchange(stopping, 0));
     // Representations never get a time gap.
     return std::clamp(seconds, 0.0, std::max(options.max_dt, 1 / options.rate));
+}
+
+/// The force goes out by the ramp, and the fault is raised when it has gone.
+void Servo::Impl::stop_for(std::uint32_t cause) noexcept {
+    if ((stopping & cause) != 0 || !supervisor.powered()) return;
+    stopping |= cause;
+    supervisor.disarm();
+    disarm_claims();
 }
 
 /// Seconds. A rate like 3000 Hz has no whole number of nanoseconds: a gap within one nanosecond of the period
@@ -108,7 +118,9 @@ void Servo::Impl::read_device(Nanoseconds now) noexcept {
         disarm_claims();  // a claim that arms during the ramp down arms only itself
     }
     if (trouble != 0) supervisor.raise(trouble);
-    if (load.overloaded()) trouble |= fault::overload;  // ramps down first: see watch_load
+    // These ramp down first: see stop_for.
+    if (load.overloaded()) trouble |= fault::overload;
+    if (guardian_still) trouble |= fault::unguarded;
 }
 
 void Servo::Impl::take_mail(Nanoseconds now) noexcept {
@@ -383,6 +395,10 @@ const Supervisor& Servo::supervisor() const noexcept {
 void Servo::guardian_acted() noexcept {
     impl_->guardian = true;
     ++impl_->guardian_zeroings;
+}
+
+void Servo::guardian_is_still(bool still) noexcept {
+    impl_->guardian_still = still;
 }
 
 void Servo::took(Nanoseconds time) noexcept {

@@ -45,6 +45,7 @@ struct Servo::Impl {
     void publish_parts() noexcept;
     void let_go() noexcept;
     void disarm_claims() noexcept;
+    void stop_for(std::uint32_t cause) noexcept;
 
     /// Finds the claims to process in this cycle: `claims.awake()`.
     void find_awake(Nanoseconds now, double dt) noexcept;
@@ -71,7 +72,7 @@ struct Servo::Impl {
     void state(Visit& visit) noexcept {
         visit(first, last_now, budget, enabled, guardian, unplugged, ending, late, report.cycle,
               report.buttons, report.flags, report.presses, report.touches, claims_seen, tip, supervisor,
-              overloaded);
+              stopping);
     }
 
     void adopt(Claim* claim, Nanoseconds now) noexcept;
@@ -88,7 +89,7 @@ struct Servo::Impl {
 
     StageClock stages;
     LoadWatch load;
-    bool overloaded = false;  // the device ramps down for it
+    std::uint32_t stopping = 0;  // faults for which the device ramps down
     TipEstimator tip;
     Supervisor supervisor;
     CommandProcessor command_processor;
@@ -106,15 +107,16 @@ struct Servo::Impl {
 
     bool first = true;
     Nanoseconds last_now = 0, read_ns = 0, write_ns = 0;
-    HandBudget budget;          // of all claims together
-    double own_damping = 0;     // N s/m: the device's damping in the bound max_stiffness
-    bool settles = false;       // in this cycle: changes from before the start act at once
-    bool enabled = false;       // as last sent to the device
-    bool guardian = false;      // the guardian zeroed the device before this cycle
-    bool unplugged = false;     // this cycle's read, or the last write, found the device unplugged
-    std::uint32_t trouble = 0;  // faults that this cycle's sample raises
-    bool jumped = false;        // the clock jumped before this cycle: for the input log
-    bool written = false;       // in this cycle: the device took the write
+    HandBudget budget;            // of all claims together
+    double own_damping = 0;       // N s/m: the device's damping in the bound max_stiffness
+    bool settles = false;         // in this cycle: changes from before the start act at once
+    bool enabled = false;         // as last sent to the device
+    bool guardian = false;        // the guardian zeroed the device before this cycle
+    bool guardian_still = false;  // it does not run
+    bool unplugged = false;       // this cycle's read, or the last write, found the device unplugged
+    std::uint32_t trouble = 0;    // faults that this cycle's sample raises
+    bool jumped = false;          // the clock jumped before this cycle: for the input log
+    bool written = false;         // in this cycle: the device took the write
     const Claim::Impl* in_contact = nullptr;
     Report report;
     // of the last reports, to compute the age of a batch

@@ -34,7 +34,8 @@ void Servo::Impl::put_cycle(Nanoseconds deadline, Nanoseconds now) noexcept {
     if (given.has_velocity) record.velocity = given.velocity;
     record.flags = (given.has_velocity ? CycleInput::has_velocity : 0) |
                    (given.calibrated ? CycleInput::calibrated : 0) | (written ? CycleInput::written : 0) |
-                   (guardian ? CycleInput::guardian : 0) | (jumped ? CycleInput::jumped : 0);
+                   (guardian ? CycleInput::guardian : 0) | (jumped ? CycleInput::jumped : 0) |
+                   (guardian_still ? CycleInput::guardian_still : 0);
     input_log->put(InputType::cycle, {as_bytes(record).first(record.bytes())});
 }
 

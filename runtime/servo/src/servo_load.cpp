@@ -9,15 +9,7 @@ namespace knurl::servo {
 void Servo::Impl::watch_load() noexcept {
     if (load.sheds()) shed_costliest();
     load.round();
-    if (load.overloaded() && supervisor.powered() && !overloaded) {
-        overloaded = true;
-        supervisor.disarm();
-        disarm_claims();
-    }
-    if (overloaded && !supervisor.powered()) {
-        overloaded = false;
-        supervisor.raise(fault::overload);
-    }
+    if (load.overloaded()) stop_for(fault::overload);
 }
 
 Nanoseconds Servo::Impl::charge(Claim::Impl& claim, Nanoseconds from) noexcept {

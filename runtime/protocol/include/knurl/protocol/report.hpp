@@ -54,6 +54,8 @@ inline constexpr std::uint32_t kinematics = 1u << 8;
 inline constexpr std::uint32_t guardian = 1u << 9;
 /// Cycles took longer than the period, on average over 20 ms.
 inline constexpr std::uint32_t overload = 1u << 10;
+/// The guardian stood still: nobody would have zeroed the motors in place of the servo.
+inline constexpr std::uint32_t unguarded = 1u << 11;
 }  // namespace fault
 
 /// What the servo publishes in each cycle of a device. In the device frame; a claim's library converts it

@@ -46,6 +46,7 @@ inline constexpr std::array fault_names{
     ReportName{fault::kinematics, "kinematics", "the mechanism had no pose for the joints"},
     ReportName{fault::guardian, "guardian", "the guardian put the motors to zero while the servo stalled"},
     ReportName{fault::overload, "overload", "cycles took longer than the period, on average over 20 ms"},
+    ReportName{fault::unguarded, "unguarded", "the guardian process stood still"},
 };
 
 /// The flags.

@@ -44,6 +44,8 @@ struct BrokerOptions {
     int guardian_pidfd = -1;
     /// Closes connections.
     Closer& closer;
+    /// What all clients together may take (bytes).
+    std::uint64_t memory = default_memory_budget();
     /// The program that answers --build-asset.
     std::string builder = "/proc/self/exe";
 };

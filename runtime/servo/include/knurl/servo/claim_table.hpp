@@ -17,6 +17,7 @@
 #include <knurl/protocol/device_segment.hpp>
 #include <knurl/servo/claim.hpp>
 #include <knurl/servo/input_log.hpp>
+#include <knurl/servo/memory_budget.hpp>
 #include <knurl/servo/servo.hpp>
 #include <knurl/shm/fd.hpp>
 #include <knurl/shm/segment.hpp>
@@ -50,14 +51,27 @@ struct Peer {
     std::string name;
 };
 
+namespace claim_bounds {
+/// Rows of a device that observers leave free: whoever claims it finds one.
+inline constexpr std::size_t rows_for_claims = 16;
+}  // namespace claim_bounds
+
 /// A request is refused: one line for the client, what, where, what to do.
 class RequestRefused : public std::runtime_error {
   public:
     /// `text`: the line.
     explicit RequestRefused(const std::string& text, pid_t holder = 0)
         : std::runtime_error(text), holder_pid(holder) {}
+    /// A refusal that ends when somebody leaves: the client may wait for a place.
+    static RequestRefused no_place(const std::string& text) {
+        RequestRefused refusal(text);
+        refusal.full = true;
+        return refusal;
+    }
     /// Process that holds the device; 0: that is not the reason.
     pid_t holder_pid;
+    /// There is no place now.
+    bool full = false;
 };
 
 /// What a granted client is sent.
@@ -79,8 +93,8 @@ struct Grant {
 /// claim fades for 50 ms; it does not keep the next one from the device.
 class ClaimTable {
   public:
-    /// A table of this device, empty.
-    ClaimTable(HostedDevice device, shm::Waker& waker);
+    /// A table of this device, empty. `memory` is that of all devices of the servo.
+    ClaimTable(HostedDevice device, shm::Waker& waker, MemoryBudget& memory);
     /// The servo must have ended: what it held is freed.
     ~ClaimTable();
 
@@ -121,11 +135,16 @@ class ClaimTable {
         leaving,
         clearing,  // a waker was waking its client when it was to be freed
     };
-    struct RowAsset {
-        enum class Stage : std::uint8_t { none, building, there, leaving } stage = Stage::none;
+    struct HeldAsset {
+        MemoryShare memory;
         std::unique_ptr<Asset> asset;
     };
+    struct RowAsset {
+        enum class Stage : std::uint8_t { none, building, there, leaving } stage = Stage::none;
+        std::unique_ptr<HeldAsset> held;  // of its own: there are 64 places in each of 128 rows
+    };
     struct Row {
+        MemoryShare memory;
         Stage stage = Stage::free;
         bool observer = false;
         bool shared = false;
@@ -140,15 +159,19 @@ class ClaimTable {
 
     void require_sane(const protocol::ClaimRequest& request) const;
     void require_free_for(const protocol::ClaimRequest& request) const;
+    void require_share_of(const protocol::ClaimRequest& request, const Peer& peer) const;
     protocol::ClientRow& shared_row(std::uint32_t row) const;
     void identify(std::uint32_t row, const Peer& peer, std::uint64_t role, bool shared) noexcept;
     void clear(std::uint32_t row) noexcept;
     Row* row_of_key(std::uint64_t key) noexcept;
     static std::uint64_t asset_bytes(const Row& row) noexcept;
+    /// What is left for `what` that takes `bytes`. Throws RequestRefused: too little.
+    std::uint64_t require_memory(const char* what, std::uint64_t bytes) const;
     void take_back_assets() noexcept;
 
     HostedDevice device_;
     shm::Waker& waker_;
+    MemoryBudget& memory_;
     std::array<Row, protocol::max_clients> rows_;
     std::uint32_t on_their_way_ = 0;  // rows in dropping, leaving or clearing
 };

@@ -60,6 +60,8 @@ struct DaemonConfig {
     double spin = 0;
     /// Time without a cycle after which the guardian puts the device to zero (s).
     double guardian_stall = 20e-3;
+    /// Memory that the claims and shapes of all clients together may take (MiB); 0: a quarter of the machine's.
+    double memory = 0;
     /// Group that may connect besides the owner; empty: the process's own.
     std::string socket_group;
     /// Its devices.
@@ -93,6 +95,8 @@ inline constexpr Range spin{"spin", 0, 200e-6, "s"};
 inline constexpr double spin_share = 0.5;
 /// Of DaemonConfig::guardian_stall.
 inline constexpr Range guardian_stall{"guardian_stall", 20e-3, 1, "s"};
+/// Of DaemonConfig::memory.
+inline constexpr Range memory{"memory", 16, 1 << 20, "MiB"};
 /// Of DeviceConfig::seed.
 inline constexpr Range seed{"seed", 0, 9.2e18, ""};
 }  // namespace ranges

@@ -19,8 +19,9 @@ std::string report_row(const Report& report);
 
 /// Writes what is readable in a device's report memory (protocol::device_layout) to
 /// `directory`/flight-SERVO-DEVICE-TIME.csv, the time in UTC: comment lines (build, cause, device), one line
-/// of column names, one line per report, oldest first, doubles so that they survive. The file appears whole
-/// or not at all. Makes the directory. Returns the path; throws std::runtime_error.
+/// of column names, one line per report, oldest first, doubles so that they survive. The file appears
+/// complete or not at all; on a full disk it has as many of the newest reports as there is room for, and says
+/// so. Makes the directory. Returns the path; throws std::runtime_error.
 std::string write_flight_record(const std::string& directory, const std::byte* device_segment,
                                 const std::string& cause);
 

@@ -11,10 +11,11 @@
 ///   servo says goodbye            -> the guardian ends, no file
 ///   the guardian dies             -> the servo ramps down and ends (Broker): a motor is not run unguarded,
 ///                                    and a fork from a real-time process would cost its threads page faults
+///   the guardian stands still     -> the servo ramps its devices down (GuardianWatch)
 /// ~~~
 ///
-/// A host that stops the whole virtual machine stops the guardian too: only a device's own watchdog helps
-/// there.
+/// A host that stops the whole virtual machine stops the guardian too, and somebody may stop both processes:
+/// only a device's own watchdog helps there.
 
 #include <atomic>
 #include <cstddef>
@@ -78,11 +79,45 @@ class StallWatch {
     bool acted_ = false;
 };
 
+/// Tells a guardian that stands still, for example stopped by a signal, from a machine on which nothing runs:
+/// time counts only as far as the servo itself ran.
+class GuardianWatch {
+  public:
+    /// `patience`: time without a beat after which the guardian stands still (ns).
+    explicit GuardianWatch(Nanoseconds patience) : patience_(patience) {}
+
+    /// One cycle of the servo. `beat`: the guardian's ticks. True while it stands still.
+    bool still(Nanoseconds now, std::uint64_t beat) noexcept;
+
+    /// The guardian's tick while no device is enabled, which is its longest (ns).
+    static constexpr Nanoseconds idle_tick = 20'000'000;
+    /// Patience with a guardian that runs in real time: its longest tick, twice (ns).
+    static constexpr Nanoseconds patience = 2 * idle_tick;
+    /// Patience with one that does not: on a busy machine it may wait that long for a CPU (ns).
+    static constexpr Nanoseconds ordinary_patience = 250'000'000;
+    /// A longer cycle counts as this (ns).
+    static constexpr Nanoseconds longest_cycle = 2'000'000;
+
+  private:
+    Nanoseconds patience_;
+    Nanoseconds last_ = 0;
+    Nanoseconds still_for_ = 0;
+    std::uint64_t beat_ = 0;
+};
+
+/// What the guardian tells a device's loop, in memory that only the guardian writes.
+struct GuardianSigns {
+    /// How often it has zeroed the device. It adds with release before it zeroes; Loop reads with acquire.
+    const std::atomic<std::uint64_t>& acts;
+    /// Its ticks: proof that it runs, which orders nothing.
+    const std::atomic<std::uint64_t>& beat;
+};
+
 /// The servo's handle on its guardian process.
 class Guardian {
   public:
-    /// Forks. Call while the process has one thread and holds nothing that the child must not. Throws
-    /// std::runtime_error.
+    /// Forks, and returns when the guardian watches. Call while the process has one thread and holds nothing
+    /// that the child must not. Throws std::runtime_error.
     Guardian(std::span<const GuardedDevice> devices, const GuardianOptions& options);
     /// goodbye(), if that was not said.
     ~Guardian();
@@ -91,11 +126,12 @@ class Guardian {
 
     /// Process number of the guardian.
     pid_t pid() const { return pid_; }
+    /// It got the priority of its options.
+    bool real_time() const { return real_time_; }
     /// Becomes readable when the guardian has died.
     int pidfd() const { return pidfd_.get(); }
-    /// How often it has zeroed device `i`. The guardian adds with release before it zeroes; Loop reads with
-    /// acquire.
-    const std::atomic<std::uint64_t>& acts(std::size_t i) const;
+    /// What it tells the loop of device `i`.
+    GuardianSigns signs(std::size_t i) const;
     /// The devices are at rest: the guardian ends, and its end is awaited.
     void goodbye() noexcept;
 
@@ -104,6 +140,7 @@ class Guardian {
     shm::UniqueFd line_;  // to the guardian; its hang-up without a goodbye is our death
     shm::UniqueFd pidfd_;
     pid_t pid_ = -1;
+    bool real_time_ = false;
 };
 
 }  // namespace knurl::servo

@@ -88,6 +88,8 @@ struct CycleInput {
     static constexpr std::uint32_t guardian = 8;
     /// Flag: the clock had jumped.
     static constexpr std::uint32_t jumped = 16;
+    /// Flag: the guardian stands still.
+    static constexpr std::uint32_t guardian_still = 32;
     /// Bytes of it that are in the record.
     std::size_t bytes() const noexcept {
         return (flags & has_velocity) != 0 ? sizeof(CycleInput) : offsetof(CycleInput, velocity);

@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include <knurl/servo/clock.hpp>
+#include <knurl/servo/guardian.hpp>
 #include <knurl/shm/counters.hpp>
 
 namespace knurl::shm {
@@ -54,6 +55,8 @@ struct LoopOptions {
     Nanoseconds spin = 0;
     /// A longer gap sets t0 anew (ns).
     Nanoseconds stall = 20'000'000;
+    /// Time without a beat of the guardian after which it stands still (ns).
+    Nanoseconds guardian_patience = GuardianWatch::patience;
 };
 
 /// What the loop saw, read after it has ended.
@@ -73,10 +76,9 @@ struct LoopCounts {
 /// The thread of one device.
 class Loop {
   public:
-    /// `counters`: the device's, of which the loop writes Count::wakes. `guardian_acts`: how often the
-    /// guardian has zeroed this device, in memory shared with it.
-    Loop(Servo& servo, shm::Waker& waker, const shm::Counters& counters,
-         const std::atomic<std::uint64_t>& guardian_acts, const LoopOptions& options);
+    /// `counters`: the device's, of which the loop writes Count::wakes.
+    Loop(Servo& servo, shm::Waker& waker, const shm::Counters& counters, const GuardianSigns& guardian,
+         const LoopOptions& options);
 
     /// The thread's body, until stop().
     void run() noexcept;
@@ -90,7 +92,7 @@ class Loop {
     Servo& servo_;
     shm::Waker& waker_;
     shm::Counters counters_;
-    const std::atomic<std::uint64_t>& guardian_acts_;
+    GuardianSigns guardian_;
     LoopOptions options_;
     LoopCounts seen_;
     std::atomic<bool> stop_ = false;

@@ -105,6 +105,9 @@ class Servo {
     /// From the servo's thread, before the next step. The guardian zeroed the device while this thread stood
     /// still: gain 0, then the ordinary ramp up.
     void guardian_acted() noexcept;
+    /// From the servo's thread, before the next step. Nobody would zero the device in place of the servo: it
+    /// ramps down, then it is in fault until it is reset; not before the guardian runs again.
+    void guardian_is_still(bool still) noexcept;
     /// From the servo's thread, before the next step. The machine slept (CLOCK_BOOTTIME moved without
     /// CLOCK_MONOTONIC): a fault, latched.
     void clock_jumped() noexcept;
