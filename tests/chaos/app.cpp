@@ -15,19 +15,18 @@
 #include <cstring>
 #include <limits>
 #include <random>
-#include <span>
-#include <stdexcept>
 #include <string>
 
-#include <fcntl.h>
-#include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <knurl/client/client.hpp>
 #include <knurl/protocol/attach.hpp>
 #include <knurl/reps/all.hpp>
-#include <knurl/shm/socket.hpp>
+#include <knurl/shm/spsc_ring.hpp>
+#include <knurl/shm/triple_buffer.hpp>
+
+#include "raw_claim.hpp"
 
 namespace {
 
@@ -122,50 +121,8 @@ int observer() {
     return read + reports.missed() == last - first->cycle + 1 ? 0 : 1;
 }
 
-/// A claim without the library, which would not let any of this through.
-struct RawClaim {
-    explicit RawClaim(const std::string& socket_path) : socket(knurl::shm::connect_to(socket_path)) {
-        std::array<std::byte, 4096> buffer;
-        protocol::Hello hello;
-        hello.layout = protocol::wire_hash();
-        std::strcpy(hello.client, "hostile");
-        ask(hello);
-        knurl::shm::receive_message(socket, buffer);
-        protocol::ClaimRequest request;
-        request.shared = 1;
-        ask(request);
-        auto answer = knurl::shm::receive_message(socket, buffer);
-        if (answer.bytes != sizeof(protocol::Claimed) || answer.fds.empty())
-            throw std::runtime_error("the claim is refused");
-        layout = protocol::claim_layout(request.capacity);
-        void* mapped =
-            mmap(nullptr, layout.total, PROT_READ | PROT_WRITE, MAP_SHARED, answer.fds.front().get(), 0);
-        if (mapped == MAP_FAILED) throw std::runtime_error("the claim's segment cannot be mapped");
-        memory = static_cast<std::byte*>(mapped);
-        // Hostile as it is, it has to seal the memory, or the servo does not serve it.
-        if (fcntl(answer.fds.front().get(), F_ADD_SEALS, F_SEAL_FUTURE_WRITE) != 0)
-            throw std::runtime_error("the claim's segment cannot be sealed");
-        protocol::Claimed granted;
-        std::memcpy(static_cast<void*>(&granted), buffer.data(), sizeof granted);
-        protocol::Mapped says_so;
-        says_so.key = granted.key;
-        ask(says_so);
-        if (knurl::shm::receive_message(socket, buffer).bytes != sizeof(protocol::Serving))
-            throw std::runtime_error("the claim is not served");
-    }
-    template <class Message>
-    void ask(const Message& message) {
-        if (!knurl::shm::send_message(socket, std::as_bytes(std::span(&message, 1))))
-            throw std::runtime_error("the servo hung up");
-    }
-
-    knurl::shm::UniqueFd socket;
-    protocol::ClaimLayout layout;
-    std::byte* memory = nullptr;
-};
-
 int hostile(unsigned seed, const std::string& socket_path) {
-    const RawClaim claim(socket_path);
+    const knurl::chaos::ServedClaim claim(socket_path);
     auto* words = reinterpret_cast<std::uint64_t*>(claim.memory);
     const protocol::ClaimLayout& layout = claim.layout;
     std::mt19937_64 random(seed);
@@ -185,7 +142,7 @@ int hostile(unsigned seed, const std::string& socket_path) {
 /// Adds two planes, arms, and changes both in one batch: one change is good, the other is no number.
 int absurd(unsigned seed, const std::string& socket_path) {
     using knurl::Plane;
-    const RawClaim claim(socket_path);
+    const knurl::chaos::ServedClaim claim(socket_path);
     const protocol::ClaimLayout& layout = claim.layout;
     knurl::shm::SpscProducer commands(claim.memory + layout.commands, layout.command_cells);
     knurl::shm::TripleWriter batches(claim.memory + layout.batches, layout.batch_slot_bytes);

@@ -108,6 +108,75 @@ void wrong_build(Stage& stage) {
     demand_undisturbed(stage, from, "a client of another build");
 }
 
+// -------------------------------------------------------------------------------------------- attackers
+
+/// Attackers of one kind while they live.
+class Attack {
+  public:
+    Attack(Stage& stage, const std::string& mode, int count) {
+        for (int i = 0; i < count; ++i)
+            attackers_.push_back(std::make_unique<Program>(
+                stage.home, KNURL_CHAOS_ATTACKER,
+                std::vector<std::string>{mode, std::to_string(stage.random()), stage.home.socket()}));
+        for (const auto& attacker : attackers_) attacker->wait_for_output("attacking");
+    }
+
+  private:
+    std::vector<std::unique_ptr<Program>> attackers_;  // killed at the end
+};
+
+void under(Stage& stage, const std::string& mode, int count, const std::string& by) {
+    const std::int64_t from = Stage::now();
+    {
+        const Attack attack(stage, mode, count);
+        stage.let_pass(1.0);
+        demand_undisturbed(stage, from, by);
+        const std::int64_t killed = Stage::now();
+        stage.wall->signal(SIGKILL);
+        stage.measured("application killed beside " + by + ": zero within 60 ms",
+                       static_cast<double>(stage.wait_until_zero(killed) - killed) * 1e-6);
+    }
+    stage.start_wall();
+}
+
+void holes_in_memory(Stage& stage) {
+    under(stage, "holes", 2, "clients that take pages of their memory away");
+}
+void lingering_descriptors(Stage& stage) {
+    under(stage, "lingering", 2, "clients that send descriptors that take an hour to close");
+}
+void filled_sockets(Stage& stage) {
+    under(stage, "waiting", 2, "clients that are woken again and again and read nothing");
+}
+void too_much_work(Stage& stage) {
+    under(stage, "springs", 2, "claims with more springs than a cycle has time for");
+}
+void churning_clients(Stage& stage) {
+    under(stage, "churn", 16, "16 clients that come, send and go");
+}
+
+void guardian_stopped(Stage& stage) {
+    const std::int64_t from = Stage::now();
+    kill(stage.knurld->guardian(), SIGSTOP);
+    const std::int64_t zero = stage.wait_until_zero(from);
+    kill(stage.knurld->guardian(), SIGCONT);
+    stage.measured("guardian stopped: ramp (50 ms) begins within 50 ms",
+                   static_cast<double>(zero - from) * 1e-6);
+    demand_off_until_armed(stage, zero, "after the guardian stood still");
+}
+
+void guardian_killed(Stage& stage) {
+    const std::int64_t from = Stage::now();
+    kill(stage.knurld->guardian(), SIGKILL);
+    const std::int64_t zero = stage.wait_until_zero(from);
+    stage.measured("guardian killed: ramp (50 ms), then the servo ends",
+                   static_cast<double>(zero - from) * 1e-6);
+    demand(stage.knurld->wait() == 1, "a servo without its guardian ends");
+    stage.start_servo();
+    stage.wall->wait_for_output("reattached-to " + std::to_string(stage.knurld->pid()));
+    demand_off_until_armed(stage, zero, "after a restart");
+}
+
 // --------------------------------------------------------------------------------------------- the servo
 
 void servo_killed(Stage& stage) {
@@ -169,6 +238,13 @@ constexpr Fault all[] = {
     {"hostile bytes", hostile_bytes},
     {"absurd numbers", absurd_numbers},
     {"wrong build", wrong_build},
+    {"holes in memory", holes_in_memory},
+    {"lingering descriptors", lingering_descriptors},
+    {"filled sockets", filled_sockets},
+    {"too much work", too_much_work},
+    {"churning clients", churning_clients},
+    {"guardian stopped", guardian_stopped},
+    {"guardian killed", guardian_killed},
     {"servo killed", servo_killed},
     {"servo stopped", servo_stopped},
     {"device unplugged", device_unplugged},

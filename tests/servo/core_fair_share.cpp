@@ -58,9 +58,12 @@ TEST(FairShare, WhoHoldsNothingFindsAPlaceAsLongAsThereIsOne) {
         Crowd crowd;
         for (int i = 0; i < 400; ++i) {
             const auto pid = static_cast<pid_t>(1 + random() % 20);
-            crowd.take({.pid = pid, .uid = random() % 2 == 0 ? 0 : stranger + static_cast<uid_t>(pid % 5), .name = {}});
+            crowd.take({.pid = pid,
+                        .uid = random() % 2 == 0 ? 0 : stranger + static_cast<uid_t>(pid % 5),
+                        .name = {}});
             if (random() % 3 == 0 && !crowd.holders.empty())
-                crowd.holders.erase(crowd.holders.begin() + static_cast<std::ptrdiff_t>(random() % crowd.holders.size()));
+                crowd.holders.erase(crowd.holders.begin() +
+                                    static_cast<std::ptrdiff_t>(random() % crowd.holders.size()));
             if (crowd.holders.size() == places) continue;
             Crowd with_newcomer = crowd;
             ASSERT_TRUE(with_newcomer.take({.pid = 1000, .uid = stranger + 1000, .name = {}})) << i;

@@ -86,7 +86,7 @@ TEST(Life, WhatItDoesNotDriveCostsNoThread) {
         names.insert(name);
     }
     EXPECT_EQ(names, (std::multiset<std::string>{"knurld", "knurl-servo", "knurl-servo", "knurl-waker",
-                                                 "knurl-farwaker"}))
+                                                 "knurl-farwaker", "knurl-deaths"}))
         << "none for USB or other drivers, one loop a device";
 }
 

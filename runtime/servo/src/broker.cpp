@@ -142,9 +142,11 @@ struct Broker::Impl {
             const auto credentials = shm::credentials_of(connection.socket);
             connection.peer.pid = credentials.pid;
             connection.peer.uid = credentials.uid;
+            options.deaths.watch(id, connection.socket.get());
             watch(connection.socket.get(), id);
         } catch (const std::runtime_error&) {
             pause_until = SteadyClock::now() + accept_pause;  // the kernel has no room for another connection
+            options.deaths.forget(id, connection.socket.get());
             closer.close(std::move(connection.socket));
             return;
         }
@@ -184,9 +186,11 @@ struct Broker::Impl {
         return shm::send_message(to.socket, bytes_of(message));
     }
 
-    void take_back(Connection::Holding& holding) {
+    void take_back(std::uint64_t id, Connection::Holding& holding) {
         if (holding.stage == Connection::Stage::free) return;
         if (holding.stage == Connection::Stage::granted) --unmapped;
+        if (const Claim* claim = tables[holding.device]->claim(holding.row))
+            options.deaths.release(id, *claim);
         holding.stage = Connection::Stage::free;
         tables[holding.device]->let_go(holding.row);
     }
@@ -194,10 +198,11 @@ struct Broker::Impl {
     void close(std::uint64_t id) {
         const auto found = connections.find(id);
         if (found == connections.end()) return;
-        for (Connection::Holding& holding : found->second.holdings) take_back(holding);
+        for (Connection::Holding& holding : found->second.holdings) take_back(id, holding);
         const bool built_for = assets.cancel(id, tables);
         if (const auto device = found->second.recording) recordings[*device].end(tables[*device]->device());
         if (!found->second.greeted) --half_open;
+        options.deaths.forget(id, found->second.socket.get());
         // Others hold the socket until the closer has closed it, so it leaves the epoll set now.
         epoll_ctl(epoll.get(), EPOLL_CTL_DEL, found->second.socket.get(), nullptr);
         closer.close(std::move(found->second.socket));
@@ -228,7 +233,7 @@ struct Broker::Impl {
                 if (with_asset)
                     return offer(id, connection,
                                  read_message<protocol::AssetOffer>(buffer, received.bytes, "asset"));
-                if (!handle(connection, buffer, received.bytes)) return close(id);
+                if (!handle(id, connection, buffer, received.bytes)) return close(id);
             } catch (const RequestRefused& refusal) {
                 refuse(connection, refusal);
                 return close(id);
@@ -240,7 +245,7 @@ struct Broker::Impl {
     }
 
     /// False: the peer does not read its replies. Throws RequestRefused: the connection ends.
-    bool handle(Connection& connection, const Buffer& buffer, std::size_t bytes) {
+    bool handle(std::uint64_t id, Connection& connection, const Buffer& buffer, std::size_t bytes) {
         const std::optional<std::uint32_t> type = type_of(buffer, bytes);
         if (!type) throw RequestRefused("attach: not a message of Knurl's (magic); is this a Knurl client?");
         if (!connection.greeted) {
@@ -252,9 +257,9 @@ struct Broker::Impl {
             case static_cast<std::uint32_t>(MessageType::claim):
                 return claim(connection, read_message<protocol::ClaimRequest>(buffer, bytes, "claim"));
             case static_cast<std::uint32_t>(MessageType::mapped):
-                return serve_claim(connection, read_message<protocol::Mapped>(buffer, bytes, "claim"));
+                return serve_claim(id, connection, read_message<protocol::Mapped>(buffer, bytes, "claim"));
             case static_cast<std::uint32_t>(MessageType::release):
-                release(connection, read_message<protocol::Release>(buffer, bytes, "release"));
+                release(id, connection, read_message<protocol::Release>(buffer, bytes, "release"));
                 return true;
             case static_cast<std::uint32_t>(MessageType::record):
                 return record(connection, read_message<protocol::RecordRequest>(buffer, bytes, "record"));
@@ -356,7 +361,7 @@ struct Broker::Impl {
     }
 
     /// The client has mapped a claim. False: the peer does not read its replies.
-    bool serve_claim(Connection& connection, const protocol::Mapped& mapped) {
+    bool serve_claim(std::uint64_t id, Connection& connection, const protocol::Mapped& mapped) {
         const auto held = std::find_if(connection.holdings.begin(), connection.holdings.end(),
                                        [&](const Connection::Holding& h) {
                                            return h.key == mapped.key && h.stage != Connection::Stage::served;
@@ -369,11 +374,12 @@ struct Broker::Impl {
         }
         try {
             if (ending) {
-                take_back(*held);
+                take_back(id, *held);
                 throw RequestRefused(is_ending());
             }
             --unmapped;
-            tables[held->device]->serve(held->row);
+            Claim& served = tables[held->device]->serve(held->row);
+            options.deaths.hold(id, tables[held->device]->device().servo, served);
         } catch (const RequestRefused& refusal) {
             connection.holdings.erase(held);
             return refuse(connection, refusal);
@@ -384,7 +390,7 @@ struct Broker::Impl {
         return shm::send_message(connection.socket, bytes_of(serving));
     }
 
-    void release(Connection& connection, const protocol::Release& release) {
+    void release(std::uint64_t id, Connection& connection, const protocol::Release& release) {
         const auto held = std::find_if(connection.holdings.begin(), connection.holdings.end(),
                                        [&](const Connection::Holding& h) {
                                            return h.device == release.device && h.row == release.slot &&
@@ -392,7 +398,7 @@ struct Broker::Impl {
                                        });
         if (held == connection.holdings.end())
             throw RequestRefused("release: this connection does not hold that claim");
-        take_back(*held);
+        take_back(id, *held);
         connection.holdings.erase(held);
     }
 
@@ -403,7 +409,7 @@ struct Broker::Impl {
         for (auto& [id, connection] : connections) {
             for (Connection::Holding& holding : connection.holdings) {
                 if (holding.stage != Connection::Stage::granted || holding.since >= latest) continue;
-                take_back(holding);
+                take_back(id, holding);
                 const RequestRefused why(
                     fmt::format("claim of device \"{}\": its memory was not mapped within {:g} s; claim it "
                                 "again",

@@ -186,7 +186,7 @@ Grant ClaimTable::grant(const protocol::ClaimRequest& request, const Peer& peer)
     return grant;
 }
 
-void ClaimTable::serve(std::uint32_t index) {
+Claim& ClaimTable::serve(std::uint32_t index) {
     Row& row = rows_[index];
     const auto refuse = [&](const char* why) {
         clear(index);
@@ -204,6 +204,7 @@ void ClaimTable::serve(std::uint32_t index) {
     }
     if (!device_.servo.adopt(row.claim.get())) refuse("the servo is busy with other claims; try again");
     row.stage = Stage::held;
+    return *row.claim;
 }
 
 void ClaimTable::let_go(std::uint32_t index) noexcept {

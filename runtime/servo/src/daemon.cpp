@@ -123,6 +123,14 @@ int raised(int priority, int by) {
     return priority == 0 ? 0 : priority + by;
 }
 
+/// A thread that runs something until it is told to stop.
+template <class What>
+struct Runs {
+    What& what;
+    Thread thread;
+    ~Runs() { what.stop(); }
+};
+
 /// One device and the threads and objects that run it.
 struct Station {
     DeviceConfig config;
@@ -344,34 +352,41 @@ int run_daemon(const DaemonConfig& config) {
                                         .options = servo_options(station.config)}});
     }
     lock_memory(missing);
+    DeathWatch deaths;
     Broker broker({.servo_name = config.name,
                    .listener = shm::UniqueFd(fcntl(door.socket().get(), F_DUPFD_CLOEXEC, 0)),
                    .signals = std::move(signals),
                    .guardian_pidfd = guardian.pidfd(),
                    .closer = closer,
+                   .deaths = deaths,
                    .memory = memory_budget(config)},
                   std::move(hosted), waker);
 
     // Destroyed in reverse order: loops, then the waker, then the claims that both used, then servos and
     // devices.
-    struct WakerThread {
-        shm::Waker& waker;
-        Thread thread;
-        ~WakerThread() { waker.stop(); }
-    };
     const int waker_priority = raised(config.priority, -waker_below_servo);
     // Waking clients of other users may take long with preemption off (WakeTarget::trusted).
-    const WakerThread far_waker_thread{far_waker, Thread(
-                                                      {.name = "knurl-farwaker",
-                                                       .priority = waker_priority,
-                                                       .cpu = -1,
-                                                       .stack_bytes = small_stack_bytes},
-                                                      [&far_waker, cpu] {
-                                                          keep_off_cpu(cpu);
-                                                          far_waker.run();
-                                                      },
-                                                      missing)};
-    const WakerThread waker_thread{
+    const Runs far_waker_thread{far_waker, Thread(
+                                               {.name = "knurl-farwaker",
+                                                .priority = waker_priority,
+                                                .cpu = -1,
+                                                .stack_bytes = small_stack_bytes},
+                                               [&far_waker, cpu] {
+                                                   keep_off_cpu(cpu);
+                                                   far_waker.run();
+                                               },
+                                               missing)};
+    const Runs death_watch_thread{deaths, Thread(
+                                              {.name = "knurl-deaths",
+                                               .priority = raised(config.priority, -deaths_below_servo),
+                                               .cpu = -1,
+                                               .stack_bytes = small_stack_bytes},
+                                              [&deaths, cpu] {
+                                                  keep_off_cpu(cpu);
+                                                  deaths.run();
+                                              },
+                                              missing)};
+    const Runs waker_thread{
         waker,
         Thread(
             {.name = "knurl-waker", .priority = waker_priority, .cpu = cpu, .stack_bytes = small_stack_bytes},

@@ -16,8 +16,8 @@ std::uint64_t claim_bytes(const protocol::ClaimCapacity& capacity) noexcept {
 }
 
 std::uint64_t default_memory_budget() {
-    auto memory =
-        static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+    auto memory = static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) *
+                  static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
     std::uint64_t limit = 0;  // "max", which is no number: there is none
     if (std::ifstream("/sys/fs/cgroup/memory.max") >> limit) memory = std::min(memory, limit);
     return memory / 4;

@@ -133,19 +133,25 @@ void Servo::Impl::take_mail(Nanoseconds now) noexcept {
             command_processor.input_log = input_log = message.input_log;
             next_keyframe = 0;
         }
-        // By address: a claim that was already let go may be freed.
-        if (message.what == Message::What::drop)
-            if (const std::size_t place = claims.find(message.claim); place < claims.size()) {
-                drop(place);
-                if (input_log != nullptr && claims[place].channels)
-                    put_claim(InputType::drop, claims[place].number);
-            }
+        if (message.what == Message::What::drop) drop(message.claim);
         if (message.what != Message::What::drop_all) continue;
         ending = true;
         if (input_log != nullptr) input_log->put(InputType::drop_all, {});
         supervisor.disarm();
         for (std::size_t place = 0; place < claims.size(); ++place) drop(place);
     }
+    // After the inbox. Whoever was abandoned is dropped by the broker later, so a claim whose drop was read above
+    // has its other message read below, before it is given back and its address is another claim's.
+    Claim* claim = nullptr;
+    for (std::size_t i = 0; i < mailbox_slots && abandoned.take(claim); ++i) drop(claim);
+}
+
+// By address: a claim that was already let go may be freed.
+void Servo::Impl::drop(Claim* claim) noexcept {
+    const std::size_t place = claims.find(claim);
+    if (place == claims.size() || claims[place].dropping) return;
+    drop(place);
+    if (input_log != nullptr && claims[place].channels) put_claim(InputType::drop, claims[place].number);
 }
 
 void Servo::Impl::drop(std::size_t place) noexcept {
@@ -368,6 +374,9 @@ bool Servo::adopt(Claim* claim) noexcept {
 }
 bool Servo::drop(Claim* claim) noexcept {
     return impl_->inbox.post({.what = Message::What::drop, .claim = claim});
+}
+bool Servo::abandon(Claim* claim) noexcept {
+    return impl_->abandoned.post(claim);
 }
 bool Servo::drop_all() noexcept {
     return impl_->inbox.post({.what = Message::What::drop_all});

@@ -51,6 +51,7 @@ struct Servo::Impl {
     void find_awake(Nanoseconds now, double dt) noexcept;
     /// Wakes all claims, at once.
     void wake_claims() noexcept;
+    void drop(Claim* claim) noexcept;
     void drop(std::size_t place) noexcept;
     /// Puts a claim of this cycle to sleep, if it has nothing to do.
     void put_to_sleep(std::size_t place) noexcept;
@@ -99,9 +100,10 @@ struct Servo::Impl {
     ClaimSet claims;
     // The hand in the last cycle whose scenes were evaluated; a scene that wakes gets it.
     Probe passed_hand;
-    bool hand_usable = false;               // time passes, and the hand's position is known
-    Mailbox<Message, mailbox_slots> inbox;  // broker -> servo
-    Mailbox<Claim*, mailbox_slots> outbox;  // servo -> broker
+    bool hand_usable = false;                  // time passes, and the hand's position is known
+    Mailbox<Message, mailbox_slots> inbox;     // broker -> servo
+    Mailbox<Claim*, mailbox_slots> abandoned;  // death watch -> servo
+    Mailbox<Claim*, mailbox_slots> outbox;     // servo -> broker
     Mailbox<ReturnedAsset, mailbox_slots> asset_outbox;
     bool ending = false;  // drop_all
 

@@ -12,6 +12,7 @@
 
 #include <knurl/servo/claim_table.hpp>
 #include <knurl/servo/closer.hpp>
+#include <knurl/servo/death_watch.hpp>
 #include <knurl/shm/fd.hpp>
 #include <knurl/shm/waiter.hpp>
 
@@ -44,6 +45,8 @@ struct BrokerOptions {
     int guardian_pidfd = -1;
     /// Closes connections.
     Closer& closer;
+    /// Sees them die.
+    DeathWatch& deaths;
     /// What all clients together may take (bytes).
     std::uint64_t memory = default_memory_budget();
     /// The program that answers --build-asset.

@@ -102,11 +102,13 @@ class ClaimTable {
     Grant grant(const protocol::ClaimRequest& request, const Peer& peer);
     /// The client has mapped and sealed the segment of this granted claim: the servo serves it from now on.
     /// Throws RequestRefused: the segment is not sealed, a page of it was taken away, or the servo is busy;
-    /// the row is free then.
-    void serve(std::uint32_t row);
+    /// the row is free then. The claim is there until let_go.
+    Claim& serve(std::uint32_t row);
     /// The client has hung up or given the claim back. Never fails: if the servo's mailbox is full, collect()
     /// tries again.
     void let_go(std::uint32_t row) noexcept;
+    /// The claim of a row; null: the row is free.
+    const Claim* claim(std::uint32_t row) const noexcept { return rows_[row].claim.get(); }
     /// Frees what the servo has given back. False: nothing is on its way any more.
     bool collect() noexcept;
 

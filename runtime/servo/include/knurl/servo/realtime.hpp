@@ -20,6 +20,8 @@ namespace knurl::servo {
 /// SCHED_FIFO priority of the waker below the servo's (80): everything that a cycle does not need waits for
 /// it.
 inline constexpr int waker_below_servo = 20;
+/// Priority of the thread that sees clients die below the servo's: what it says ends a force.
+inline constexpr int deaths_below_servo = 25;
 /// Priority of the broker below the servo's.
 inline constexpr int broker_below_servo = 30;
 /// Priority of drivers' threads above the servo's: short bursts, whose bytes the next cycle waits for.

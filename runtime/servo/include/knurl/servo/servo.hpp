@@ -87,6 +87,9 @@ class Servo {
     bool forget(Claim* claim, std::uint32_t number) noexcept;
     /// An asset that came back; none: no asset did.
     std::optional<ReturnedAsset> returned() noexcept;
+    /// From a thread of its own, for a claim that is dropped later: its client has died, it fades from now on.
+    /// False: the mailbox is full.
+    bool abandon(Claim* claim) noexcept;
     /// From the next cycle on every input goes into this log, which outlives the servo; null: no more. The
     /// same log once more: a keyframe as soon as nobody holds the device.
     bool record(InputLog* input_log) noexcept;
