@@ -33,7 +33,7 @@ inline constexpr int guardian_above_servo = 5;
 /// lock nothing.
 inline constexpr std::size_t thread_stack_bytes = 256 * 1024;
 /// The same for a thread that calls nothing deep, such as a waker's (bytes).
-inline constexpr std::size_t small_stack_bytes = 64 * 1024;
+inline constexpr std::size_t small_stack_bytes = 32 * 1024;
 
 /// Rights that are missing.
 struct Shortfalls {
