@@ -92,7 +92,8 @@ void waiting(const std::string& socket) {
 void springs(const knurl::Vec3& anchor) {
     auto client = knurl::Client::connect();
     std::vector<knurl::Claim> claims;
-    for (int i = 0; i < 16; ++i) claims.push_back(client.claim("", {.shared = true, .representations = 1024}));
+    for (int i = 0; i < 16; ++i)
+        claims.push_back(client.claim("", {.shared = true, .representations = 1024}));
     while (leaving == 0) {
         for (knurl::Claim& claim : claims) {
             try {
@@ -122,8 +123,7 @@ knurl::Triangles grid_mesh(std::vector<knurl::Point3>& vertices, std::vector<knu
 void churn(std::mt19937& random) {
     auto client = knurl::Client::connect("knurl:default", {.wait = 1s});
     auto hand = client.claim("", {.shared = true, .representations = 256});
-    for (unsigned i = 0; i < random() % 200; ++i)
-        hand.add(knurl::Plane{.offset = -1, .stiffness = 100});
+    for (unsigned i = 0; i < random() % 200; ++i) hand.add(knurl::Plane{.offset = -1, .stiffness = 100});
     hand.commit();
     if (random() % 8 == 0) {
         std::vector<knurl::Point3> vertices;
@@ -145,12 +145,18 @@ int main(int argc, char** argv) {
     std::mt19937 random(static_cast<unsigned>(std::stoul(argv[2])));
     while (leaving == 0) {
         try {
-            if (mode == "holes") holes(random, socket);
-            else if (mode == "lingering") lingering(random, socket);
-            else if (mode == "waiting") waiting(socket);
-            else if (mode == "springs") springs({0, 0, 0});
-            else if (mode == "churn") churn(random);
-            else return 1;
+            if (mode == "holes")
+                holes(random, socket);
+            else if (mode == "lingering")
+                lingering(random, socket);
+            else if (mode == "waiting")
+                waiting(socket);
+            else if (mode == "springs")
+                springs({0, 0, 0});
+            else if (mode == "churn")
+                churn(random);
+            else
+                return 1;
         } catch (const std::exception&) {  // refused or hung up: that is what it wants to know
         }
         say_once();

@@ -25,7 +25,8 @@ void add(int epoll, int fd, std::uint32_t events, std::uint64_t number) {
 }  // namespace
 
 DeathWatch::DeathWatch() : epoll_(::epoll_create1(EPOLL_CLOEXEC)), stop_(::eventfd(0, EFD_CLOEXEC)) {
-    if (!epoll_ || !stop_) throw std::runtime_error(fmt::format("knurld: death watch: {}", std::strerror(errno)));
+    if (!epoll_ || !stop_)
+        throw std::runtime_error(fmt::format("knurld: death watch: {}", std::strerror(errno)));
     add(epoll_.get(), stop_.get(), EPOLLIN, stopping);
 }
 

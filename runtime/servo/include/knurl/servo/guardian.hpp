@@ -83,8 +83,8 @@ class StallWatch {
 /// time counts only as far as the servo itself ran.
 class GuardianWatch {
   public:
-    /// `patience`: time without a beat after which the guardian stands still (ns).
-    explicit GuardianWatch(Nanoseconds patience) : patience_(patience) {}
+    /// `longest`: time without a beat after which the guardian stands still (ns).
+    explicit GuardianWatch(Nanoseconds longest) : patience_(longest) {}
 
     /// One cycle of the servo. `beat`: the guardian's ticks. True while it stands still.
     bool still(Nanoseconds now, std::uint64_t beat) noexcept;
