@@ -52,7 +52,16 @@ constexpr std::array<const char*, static_cast<std::size_t>(Event::count)> names{
     "A leaves", "unplug", "guardian acts", "guardian still", "clock jumps", "stall", "fast hand"};
 
 /// What a wrong twin does wrong.
-enum class Wrong { nothing, deaths_lost, releases_lost, still_lost, acts_lost, reset_arms, arms_by_itself, deaf_device };
+enum class Wrong {
+    nothing,
+    deaths_lost,
+    releases_lost,
+    still_lost,
+    acts_lost,
+    reset_arms,
+    arms_by_itself,
+    deaf_device
+};
 
 struct Client {
     OfflineMemory memory;
@@ -86,10 +95,18 @@ class World {
         was_reset_ = jumped_ = acted_ = false;
         Nanoseconds gap = period;
         switch (event) {
-            case Event::arm_a: arm(a()); break;
-            case Event::arm_b: arm(b()); break;
-            case Event::disarm_a: disarm(a()); break;
-            case Event::disarm_b: disarm(b()); break;
+            case Event::arm_a:
+                arm(a());
+                break;
+            case Event::arm_b:
+                arm(b());
+                break;
+            case Event::disarm_a:
+                disarm(a());
+                break;
+            case Event::disarm_b:
+                disarm(b());
+                break;
             case Event::reset:
                 b().claim.reset_fault();
                 resets_ = true;
@@ -123,13 +140,16 @@ class World {
                 jumped_ = true;
                 servo_.clock_jumped();
                 break;
-            case Event::stall: gap = 25 * period; break;
+            case Event::stall:
+                gap = 25 * period;
+                break;
             case Event::hand_fast:
                 fast_ = !fast_;
                 device_.has_velocity = true;
                 device_.velocity = {fast_ ? 2.0 : 0.0, 0, 0};
                 break;
-            default: break;
+            default:
+                break;
         }
         if (wrong_ == Wrong::arms_by_itself && state() == DeviceState::idle && !b().gone) b().claim.arm();
         cycle(gap);
@@ -153,9 +173,9 @@ class World {
     std::string key(Event last) const {
         std::string key;
         const Report& report = servo_.last();
-        for (const double part : {static_cast<double>(report.state), static_cast<double>(report.faults),
-                                  std::round(in_effect_.z() * 1e6), static_cast<double>(since_may_),
-                                  static_cast<double>(last)})
+        for (const double part :
+             {static_cast<double>(report.state), static_cast<double>(report.faults),
+              std::round(in_effect_.z() * 1e6), static_cast<double>(since_may_), static_cast<double>(last)})
             key += std::to_string(static_cast<long>(part)) + ' ';
         for (const auto& client : clients_)
             key += {client->gone ? 'g' : '-', client->dead ? 'd' : '-', client->may ? 'm' : '-'};
@@ -188,7 +208,8 @@ class World {
         if (unplugged_) in_effect_.setZero();  // it hears nothing, and has no power
         for (const auto& client : clients_) {
             for (const protocol::Reply& reply : client->claim.replies()) {
-                const bool taken = static_cast<RefusalReason>(reply.reason) == RefusalReason::none && reply.code == 0;
+                const bool taken =
+                    static_cast<RefusalReason>(reply.reason) == RefusalReason::none && reply.code == 0;
                 if (client.get() == arming_ && taken) client->may = true;
                 if (client.get() == clients_[1].get() && resets_ && taken) was_reset_ = true;
             }
@@ -277,7 +298,8 @@ Explored explore(Wrong wrong, std::size_t length) {
             }
             if (what.empty() && fresh && wrong == Wrong::nothing) what = world.recovers();
             if (what.empty()) continue;
-            for (const Event earlier : path) result.wrong += std::string(names[static_cast<std::size_t>(earlier)]) + ", ";
+            for (const Event earlier : path)
+                result.wrong += std::string(names[static_cast<std::size_t>(earlier)]) + ", ";
             result.wrong += std::string(names[e]) + ": " + what;
             result.places = seen.size();
             return result;
@@ -290,7 +312,8 @@ Explored explore(Wrong wrong, std::size_t length) {
 TEST(Explored, NoSequenceOfEventsLeavesAForceOnThatShouldEndNorADeviceThatCannotBeSwitchedOn) {
     const std::size_t length = std::getenv("KNURL_LONG") != nullptr ? 40 : 6;
     const Explored all = explore(Wrong::nothing, length);
-    std::cout << all.places << " places by " << all.sequences << " sequences of up to " << length << " events\n";
+    std::cout << all.places << " places by " << all.sequences << " sequences of up to " << length
+              << " events\n";
     EXPECT_EQ(all.wrong, "");
     EXPECT_GT(all.places, 1000u);
 }
@@ -317,8 +340,8 @@ struct Pair {
     Nanoseconds now = 1000 * ms;
     std::uint64_t reports = 0, beat = 0;
     bool servo_stopped = false, servo_hangs = false, guardian_stopped = false;
-    bool zeroed = false;  // since the servo ran last
-    bool told = false;    // the servo, in its last cycle
+    bool zeroed = false;                                    // since the servo ran last
+    bool told = false;                                      // the servo, in its last cycle
     int servo_still = 0, guardian_still = 0, both_ran = 0;  // ms
 
     bool servo_runs() const { return !servo_stopped && !servo_hangs; }

@@ -23,8 +23,8 @@ namespace broker_bounds {
 inline constexpr std::size_t half_open = 16;
 /// Time to say it (s).
 inline constexpr double hello_seconds = 2;
-/// Most connections.
-inline constexpr std::size_t connections = 256;
+/// Most connections. One process gets half of them, which is enough for all sessions of a bridge.
+inline constexpr std::size_t connections = 320;
 /// Messages that are taken from one connection before the others have their turn.
 inline constexpr int messages_at_once = 16;
 /// Connections that may wait to be accepted.
