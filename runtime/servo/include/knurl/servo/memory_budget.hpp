@@ -38,8 +38,10 @@ class MemoryShare {
     ~MemoryShare() {
         if (budget_ != nullptr) budget_->taken_ -= bytes_;
     }
+    /// Moves; the other one holds nothing any more.
     MemoryShare(MemoryShare&& other) noexcept
         : budget_(std::exchange(other.budget_, nullptr)), bytes_(other.bytes_) {}
+    /// Exchanges both parts.
     MemoryShare& operator=(MemoryShare&& other) noexcept {
         std::swap(budget_, other.budget_);
         std::swap(bytes_, other.bytes_);
