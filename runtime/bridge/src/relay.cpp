@@ -27,6 +27,7 @@ enum class Source : std::uint64_t {
     datagrams,
     servo,
     device,
+    errands,
     peer,
     peers_servo,
     peers_assets
@@ -42,8 +43,6 @@ constexpr int most_bags = 8;      // of datagrams per round; the rest wait for t
 constexpr int most_reports = 64;  // of one device per round
 constexpr int most_calls = 64;    // per round; most of them are refused at once
 constexpr int most_accepts = 8;   // callers heard per round, which takes longer
-// peers per round with further requests to the servo, which take as long
-constexpr std::size_t most_unfinished = 4;
 // A departed peer may have a few datagrams under way. More datagrams of no session are logged, once a minute.
 constexpr std::uint64_t few_strays = 64;
 constexpr std::int64_t strays_said_every_ns = 60'000'000'000;
@@ -64,13 +63,17 @@ Relay::Relay(RelayOptions options)
     : options_(std::move(options)),
       listening_(listen_at(options_.listen, !options_.keys.empty())),
       epoll_(::epoll_create1(EPOLL_CLOEXEC)),
-      notifier_(options_.servo),
       out_(listening_.datagrams.get()),
       log_(write_line),
-      context_{.servo = options_.servo, .keys = options_.keys, .notifier = notifier_, .out = out_} {
+      context_{.servo = options_.servo,
+               .keys = options_.keys,
+               .notifier = notifier_,
+               .out = out_,
+               .errands = errands_} {
     if (!epoll_) throw std::runtime_error(detail::format("epoll: {}", std::strerror(errno)));
     if (!options_.keys.empty()) tls_ = TlsContext::server(options_.keys);
     watch(listening_.datagrams.get(), EPOLLIN, source(Source::datagrams), EPOLL_CTL_ADD);
+    watch(errands_.event(), EPOLLIN, source(Source::errands), EPOLL_CTL_ADD);
 }
 
 Relay::~Relay() = default;
@@ -83,7 +86,13 @@ void Relay::watch(int fd, std::uint32_t events, std::uint64_t from, int operatio
 
 std::size_t Relay::pending() const {
     return static_cast<std::size_t>(std::count_if(places_.begin(), places_.end(), [](const Place& place) {
-        return place.peer && !place.peer->greeted();
+        return place.peer && !place.peer->identified();
+    }));
+}
+
+std::size_t Relay::identified() const {
+    return static_cast<std::size_t>(std::count_if(places_.begin(), places_.end(), [](const Place& place) {
+        return place.peer && place.peer->identified();
     }));
 }
 
@@ -128,10 +137,13 @@ void Relay::accept_all(std::int64_t now) {
         if (free == places_.end()) return;
         const auto place = static_cast<std::size_t>(free - places_.begin());
         ++accepts;
-        free->peer = std::make_unique<Peer>(std::move(socket), from, new_session(place), tls_, now);
+        std::optional<TlsSession> tls;
+        if (tls_) tls.emplace(tls_, socket.get());
+        free->peer = std::make_unique<Peer>(std::move(socket), from, new_session(place), std::move(tls), now);
         ++free->use;
-        free->watches_hang_up = free->watches_writing = free->watches_assets = false;
-        watch(free->peer->fd(), EPOLLIN, source(Source::peer, place, free->use), EPOLL_CTL_ADD);
+        free->watches_hang_up = free->watches_assets = free->servo_left = false;
+        free->watches = EPOLLIN;
+        watch(free->peer->fd(), free->watches, source(Source::peer, place, free->use), EPOLL_CTL_ADD);
         serve_peer(place, now);  // most have sent something already, and need no place among the waiting ones
     }
 }
@@ -145,7 +157,7 @@ bool Relay::make_room(const sockaddr_storage& from, std::int64_t now) {
     std::size_t oldest = places, most = own;
     for (std::size_t i = 0; i < places; ++i) {
         const Peer* const peer = places_[i].peer.get();
-        if (peer == nullptr || peer->greeted()) continue;
+        if (peer == nullptr || peer->identified()) continue;
         const std::size_t theirs = pending_of(peer->from());
         // A host at its limit gives up its own oldest caller.
         if (own >= most_pending_of_host ? !same_host(peer->from(), from) : theirs < most) continue;
@@ -161,7 +173,7 @@ bool Relay::make_room(const sockaddr_storage& from, std::int64_t now) {
 
 std::size_t Relay::pending_of(const sockaddr_storage& host) const {
     return static_cast<std::size_t>(std::count_if(places_.begin(), places_.end(), [&](const Place& place) {
-        return place.peer && !place.peer->greeted() && same_host(place.peer->from(), host);
+        return place.peer && !place.peer->identified() && same_host(place.peer->from(), host);
     }));
 }
 
@@ -172,11 +184,8 @@ void Relay::serve_peer(std::size_t place, std::int64_t now) {
     std::string why;
     places_[place].round = round_;
     try {
-        context_.sessions =
-            static_cast<std::size_t>(std::count_if(places_.begin(), places_.end(), [](const Place& each) {
-                return each.peer && each.peer->greeted();
-            }));
-        good = peer.serve(context_, now);
+        context_.sessions = identified();
+        good = peer.servo_answered() ? peer.go_on(context_, now) : peer.serve(context_, now);
         why = peer.why();
     } catch (const std::exception& error) {  // e.g. out of memory: only this peer ends
         why = error.what();
@@ -188,24 +197,22 @@ void Relay::serve_peer(std::size_t place, std::int64_t now) {
                       now);
     if (notifier_.is_open() && !watching_servo_) follow_servo();
     if (!good) return end(place, why, now, knew);
+    if (places_[place].servo_left && !peer.waits_for_servo()) return servo_left(place);
     follow(place);
 }
 
-bool Relay::anyone_unfinished() const {
-    return std::any_of(places_.begin(), places_.end(),
-                       [](const Place& place) { return place.peer && place.peer->unfinished(); });
+void Relay::serve_connection(std::size_t place, std::uint32_t events, std::int64_t now) {
+    const Peer& peer = *places_[place].peer;
+    // Its last frames are not read: the servo ends all that it had in any case.
+    if (peer.waits_for_servo() && (events & (EPOLLRDHUP | EPOLLHUP | EPOLLERR)) != 0)
+        return end(place, "it hung up", now, false);
+    serve_peer(place, now);
 }
 
-/// Peers take turns.
-void Relay::serve_unfinished(std::int64_t now) {
-    const std::size_t first = next_unfinished_;
-    for (std::size_t i = 0, served = 0; i < places && served < most_unfinished; ++i) {
-        const std::size_t place = (first + i) % places;
-        if (!places_[place].peer || !places_[place].peer->unfinished()) continue;
-        next_unfinished_ = (place + 1) % places;
-        ++served;
-        serve_peer(place, now);
-    }
+void Relay::go_on_after_servo(std::int64_t now) {
+    errands_.clear_event();
+    for (std::size_t place = 0; place < places; ++place)
+        if (places_[place].peer && places_[place].peer->servo_answered()) serve_peer(place, now);
 }
 
 void Relay::serve_assets(std::size_t place, std::int64_t now) {
@@ -221,7 +228,8 @@ void Relay::serve_assets(std::size_t place, std::int64_t now) {
 void Relay::follow(std::size_t index) {
     Place& place = places_[index];
     if (!place.watches_hang_up && place.peer->greeted()) {
-        watch(place.peer->hang_up(), EPOLLRDHUP, source(Source::peers_servo, index, place.use),
+        // Edge-triggered: it may have to wait for an answer.
+        watch(place.peer->hang_up(), EPOLLRDHUP | EPOLLET, source(Source::peers_servo, index, place.use),
               EPOLL_CTL_ADD);
         place.watches_hang_up = true;
     }
@@ -230,11 +238,12 @@ void Relay::follow(std::size_t index) {
               EPOLL_CTL_ADD);
         place.watches_assets = true;
     }
-    if (place.peer->wants_write() != place.watches_writing) {
-        place.watches_writing = !place.watches_writing;
-        watch(place.peer->fd(), EPOLLIN | (place.watches_writing ? std::uint32_t{EPOLLOUT} : 0u),
-              source(Source::peer, index, place.use), EPOLL_CTL_MOD);
-    }
+    // While the servo is asked, what comes stays in the kernel's buffer; a hang-up is noticed in any case.
+    const std::uint32_t events = (place.peer->waits_for_servo() ? EPOLLRDHUP : EPOLLIN) |
+                                 (place.peer->wants_write() ? std::uint32_t{EPOLLOUT} : 0u);
+    if (events == place.watches) return;
+    place.watches = events;
+    watch(place.peer->fd(), events, source(Source::peer, index, place.use), EPOLL_CTL_MOD);
 }
 
 /// `told`: the peer gets the reason, too.
@@ -293,6 +302,17 @@ void Relay::servo_gone() {
     watching_servo_ = false;
 }
 
+/// An answer that is waited for says more, and comes first.
+void Relay::servo_left(std::size_t index) {
+    Place& place = places_[index];
+    place.servo_left = true;
+    if (place.peer->waits_for_servo()) return;
+    // When the servo dies its sockets close one after the other, so which of the two cases it is shows later.
+    place.peer->say_gone(
+        detail::format("servo '{}' has gone, or has closed this connection; start it again", options_.servo));
+    close(index, Error::Kind::disconnected, "");
+}
+
 void Relay::serve_device(std::size_t device, std::int64_t now) {
     if (device >= notifier_.devices()) return;
     Report report;
@@ -347,7 +367,7 @@ void Relay::tick(std::int64_t now) {
     for (std::size_t i = 0; i < places; ++i) {
         Peer* const peer = places_[i].peer.get();
         if (peer == nullptr) continue;
-        if (stood_still) peer->heard(now);
+        if (stood_still || peer->waits_for_servo()) peer->heard(now);
         const auto patience =
             peer->greeted() ? dead_after_ns : static_cast<std::int64_t>(greeting_seconds * 1e9);
         if (now - peer->heard_ns() <= patience) {
@@ -385,20 +405,17 @@ void Relay::serve(const epoll_event& event, std::int64_t now, Happened& happened
             happened.gone = true;
             break;
         case Source::peers_servo:
-            if (!there) break;
-            // When the servo dies its sockets close one after the other, so which of the two cases it
-            // is shows later.
-            places_[which].peer->say_gone(detail::format(
-                "servo '{}' has gone, or has closed this connection; start it again", options_.servo));
-            close(which, Error::Kind::disconnected, "");
+            if (there) servo_left(which);
             break;
         case Source::peers_assets:
             if (there) serve_assets(which, now);
             break;
+        case Source::errands:
+            go_on_after_servo(now);
+            break;
         case Source::peer:
             // Once per round; the rest is still there in the next round.
-            if (there && places_[which].round != round_ && !places_[which].peer->unfinished())
-                serve_peer(which, now);
+            if (there && places_[which].round != round_) serve_connection(which, event.events, now);
             break;
     }
 }
@@ -414,15 +431,12 @@ void Relay::run(int signals) {
         if (!timed) last_tick_ns_ = 0;
         const std::int64_t left = std::max<std::int64_t>(0, last_tick_ns_ + tick_ns - now);
         const int count = ::epoll_wait(epoll_.get(), events.data(), static_cast<int>(events.size()),
-                                       anyone_unfinished() ? 0
-                                       : timed             ? static_cast<int>((left + 999'999) / 1'000'000)
-                                                           : -1);
+                                       timed ? static_cast<int>((left + 999'999) / 1'000'000) : -1);
         if (count < 0 && errno != EINTR)
             throw std::runtime_error(detail::format("epoll_wait: {}", std::strerror(errno)));
         now = detail::monotonic_ns();
         Happened happened;
         ++round_;
-        serve_unfinished(now);
         for (int i = 0; i < count; ++i) serve(events[static_cast<std::size_t>(i)], now, happened);
         out_.flush();
         if (happened.gone) servo_gone();
