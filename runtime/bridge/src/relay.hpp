@@ -16,6 +16,7 @@
 #include "log.hpp"
 #include "peer.hpp"
 #include "receive_batch.hpp"
+#include "waiting_room.hpp"
 
 struct epoll_event;
 
@@ -24,14 +25,15 @@ namespace knurl::bridge {
 struct RelayOptions {
     std::string servo = "default";
     std::vector<Endpoint> listen{};  // one, or all addresses of a name: the first available one is used
-    std::vector<Key> keys{};         // none: loopback only
+    std::vector<Key> keys{};         // none: loopback only, whoever comes
 };
 
 class Relay {
   public:
-    static constexpr std::size_t most_pending = 16;  // callers before they are identified
+    // Callers that have shown a key and said no hello yet; without keys nobody needs such a place for long.
+    static constexpr std::size_t most_pending = 16;
     static constexpr std::size_t most_pending_of_host = 8;
-    static constexpr double greeting_seconds = 2;  // the time for identification, TLS included
+    static constexpr double greeting_seconds = 2;  // in the waiting room, and the same again for the hello
     static constexpr std::size_t places = max_sessions + most_pending;
     static_assert(places <= 256);  // the place is the last byte of a session's number
 
@@ -62,6 +64,11 @@ class Relay {
     void watch(int fd, std::uint32_t events, std::uint64_t source, int operation);
     void watch_listener(bool wanted);
     void accept_all(std::int64_t now);
+    void listen_to(std::size_t seat, std::uint32_t events, std::int64_t now);
+    void hear_callers(std::int64_t now);
+    void hear(std::size_t seat, std::int64_t now);
+    void give_place(std::size_t seat, std::int64_t now);
+    void turn_away(std::size_t seat, const std::string& why, std::int64_t now);
     void go_on_after_servo(std::int64_t now);
     void take_datagrams(std::int64_t now);
     void serve_peer(std::size_t place, std::int64_t now);
@@ -94,6 +101,9 @@ class Relay {
     bool accepting_ = false;
     ReportNotifier notifier_;
     bool watching_servo_ = false;
+    WaitingRoom room_;
+    std::size_t next_heard_ = 0;  // seat
+    bool anyone_spoke_ = false;
     std::array<Place, places> places_;
     OutQueue out_;
     ReceiveBatch receive_batch_;
