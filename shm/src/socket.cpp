@@ -127,13 +127,18 @@ UniqueFd listen_at(const std::filesystem::path& path, mode_t mode, int backlog) 
     return fd;
 }
 
-UniqueFd connect_to(const std::filesystem::path& path) {
+UniqueFd connect_to(const std::filesystem::path& path, std::chrono::milliseconds timeout) {
     const sockaddr_un address = address_of(path);
     UniqueFd fd = new_socket(0);
+    // The kernel takes a connect on a Unix socket for something to be sent.
+    const timeval limit{.tv_sec = timeout.count() / 1000, .tv_usec = timeout.count() % 1000 * 1000};
+    ::setsockopt(fd.get(), SOL_SOCKET, SO_SNDTIMEO, &limit, sizeof limit);
     while (::connect(fd.get(), generic(address), sizeof address) != 0) {
         if (errno == EINTR) continue;
         throw_errno("socket " + path.string() + ": cannot connect",
-                    errno == EACCES ? "join the group that owns it" : "is the servo of that name running?");
+                    errno == EACCES   ? "join the group that owns it"
+                    : errno == EAGAIN ? "is the servo of that name stopped?"
+                                      : "is the servo of that name running?");
     }
     return fd;
 }

@@ -226,7 +226,8 @@ int main(int argc, char** argv) try {
     // With one key in it the bridge's file is its owner's too.
     const std::string key = keys ? (servo.socket().parent_path() / "bridge.keys").string() : "";
     if (keys) knurl::bridge::add_key(key, knurl::bridge::make_key("crowd", knurl::bridge::Role::control));
-    const BridgeProcess bridge(keys ? std::vector<std::string>{"--keys", key} : std::vector<std::string>{});
+    const BridgeProcess bridge(keys ? std::vector<std::string>{"--keys", key}
+                                    : std::vector<std::string>{"--anyone"});
     if (priority > 0) {  // on a crowded machine: as if the bridge had a CPU whenever it needs one
         const sched_param real_time{.sched_priority = priority};
         if (::sched_setscheduler(bridge.pid(), SCHED_FIFO, &real_time) != 0)

@@ -145,18 +145,34 @@ struct AssetReceiving : testing::Test {
         peer.emplace(shm::UniqueFd(ends[1]), false);
         frames->pump();
         peer->pump();
-        receiver.emplace(*frames);
+        receiver.emplace(*frames, awaited);
     }
     bool offer(std::uint64_t ticket, std::uint32_t number, std::uint64_t bytes, std::uint32_t stream = 1) {
         return receiver->offer(stream, door,
-                               bytes_of(AssetOffer{.ticket = ticket, .bytes = bytes, .number = number}), why);
+                               bytes_of(AssetOffer{.ticket = ticket, .bytes = bytes, .number = number}),
+                               why) &&
+               after_servo();
     }
     bool piece(std::uint64_t ticket, std::uint64_t offset, std::span<const std::byte> bytes) {
         std::vector<std::byte> frame(sizeof(AssetPiece) + bytes.size());
         const AssetPiece header{.ticket = ticket, .offset = offset};
         std::memcpy(frame.data(), &header, sizeof header);
         if (!bytes.empty()) std::memcpy(frame.data() + sizeof header, bytes.data(), bytes.size());
-        return receiver->piece(frame, why);
+        return receiver->piece(frame, why) && after_servo();
+    }
+    bool forget(std::uint32_t number) {
+        return receiver->forget(1, bytes_of(AssetForget{.number = number}), why) && after_servo();
+    }
+    bool cancel(std::uint64_t ticket) {
+        return receiver->cancel(bytes_of(AssetTicket{.ticket = ticket}), why) && after_servo();
+    }
+    /// What the servo is asked for, it answers at once.
+    bool after_servo() {
+        while (awaited.waits()) {
+            awaited.errand()->run();
+            if (!awaited.go_on()) return false;
+        }
+        return true;
     }
     /// The peer's next message: the refusal, "taken", "ready"; empty: none.
     std::string told() {
@@ -191,6 +207,7 @@ struct AssetReceiving : testing::Test {
     }
 
     std::optional<FrameStream> frames, peer;
+    Awaited awaited;
     std::optional<AssetReceiver> receiver;
     std::shared_ptr<FakeDoor> door = std::make_shared<FakeDoor>();
     std::string why;
@@ -206,7 +223,7 @@ TEST_F(AssetReceiving, what_came_in_pieces_is_offered_whole_and_sealed) {
     EXPECT_EQ(door->offered[0].number, 9u);
     EXPECT_EQ(door->offered[0].bytes, bytes);
     EXPECT_TRUE(door->ended);
-    EXPECT_TRUE(receiver->forget(1, bytes_of(AssetForget{.number = 9}), why));
+    EXPECT_TRUE(forget(9));
     EXPECT_EQ(door->forgotten, std::vector<std::uint32_t>{9});
     EXPECT_EQ(deliver(2, 9, bytes), "ready");
 }
@@ -247,7 +264,7 @@ TEST_F(AssetReceiving, what_the_claim_may_not_have_is_refused_before_a_byte_of_i
 
 TEST_F(AssetReceiving, what_makes_no_sense_ends_the_connection) {
     const auto fresh = [&] {
-        receiver.emplace(*frames);
+        receiver.emplace(*frames, awaited);
         EXPECT_TRUE(offer(5, 1, 100));
         why.clear();
     };
@@ -268,25 +285,25 @@ TEST_F(AssetReceiving, what_makes_no_sense_ends_the_connection) {
     ends("a long one", piece(5, 0, std::vector<std::byte>(asset_piece_bytes + 1)));
     ends("half a piece", receiver->piece(std::span(some).first(15), why));
     ends("one more than all", piece(5, 0, some) && piece(5, 100, some));
-    ends("calling off what never was", receiver->cancel(bytes_of(AssetTicket{.ticket = 6}), why));
-    ends("forgetting what it does not have", receiver->forget(1, bytes_of(AssetForget{.number = 1}), why));
+    ends("calling off what never was", cancel(6));
+    ends("forgetting what it does not have", forget(1));
     ends("half a word", receiver->forget(1, std::span(some).first(7), why));
 }
 
 TEST_F(AssetReceiving, what_is_called_off_is_called_off_at_the_servo) {
     ASSERT_TRUE(offer(1, 1, 100));
-    EXPECT_TRUE(receiver->cancel(bytes_of(AssetTicket{.ticket = 1}), why));
+    EXPECT_TRUE(cancel(1));
     EXPECT_TRUE(piece(1, 0, some)) << "it was on its way already";
     EXPECT_EQ(told(), "taken");
     EXPECT_TRUE(door->offered.empty());
     ASSERT_TRUE(offer(2, 1, 100) && piece(2, 0, some)) << "its number is free";
     EXPECT_EQ(told(), "taken");
     EXPECT_FALSE(door->ended);
-    EXPECT_TRUE(receiver->cancel(bytes_of(AssetTicket{.ticket = 2}), why));
+    EXPECT_TRUE(cancel(2));
     EXPECT_TRUE(door->ended);
     // And when it is ready already, but its owner has not heard of it.
     ASSERT_EQ(deliver(3, 1, some), "ready");
-    EXPECT_TRUE(receiver->cancel(bytes_of(AssetTicket{.ticket = 3}), why));
+    EXPECT_TRUE(cancel(3));
     EXPECT_EQ(door->forgotten, std::vector<std::uint32_t>{1});
     ASSERT_TRUE(offer(4, 1, 100) && piece(4, 0, some));
     receiver->drop(1);

@@ -127,7 +127,7 @@ TEST_F(Sent, a_bridge_that_was_killed_gets_it_again) {
               }),
               "accepted")
         << "who waits for one learns of it";
-    const BridgeProcess second({}, at);
+    const BridgeProcess second({"--anyone"}, at);
     ASSERT_TRUE(eventually([&] { return hand.reattachments() == 1 && hand.connected(); }));
     hand.arm();
     ball.set({.asset = sent.asset, .position = {place.x, place.y, place.z - 0.099}, .stiffness = 200});

@@ -1,10 +1,16 @@
 // What the servo has to be asked for (a shape that has come, one that is forgotten, a claim) is a way there
-// and back for which the bridge's one thread waits. Nobody gets more than one of them in a round.
+// and back. The bridge's one thread waits for none of them, and each peer has one of them at a time.
 
 #include <atomic>
+#include <functional>
+#include <ostream>
 #include <thread>
 
+#include <linux/sockios.h>
+#include <sys/ioctl.h>
+
 #include <knurl/link/clock.hpp>
+#include <knurl/shm/socket.hpp>
 
 #include "../rights.hpp"
 #include "peer.hpp"
@@ -32,14 +38,15 @@ Attach shared_claim() {
     return message;
 }
 
-/// A peer of a bridge whose rounds are made here.
+/// A peer of a bridge whose rounds are made here, and which hears of an answer in the round after.
 struct ByRounds : testing::Test {
-    const ServoUp servo;
+    ServoUp servo_{{"--device", "one=sim:cartesian3", "--device", "two=sim:cartesian3"}};
     const std::string name = "default";
-    ReportNotifier notifier{name};
+    ReportNotifier notifier;
+    ServoErrands errands;
     shm::UniqueFd datagrams = bound(SOCK_DGRAM);
     OutQueue out{datagrams.get()};
-    PeerContext context{.servo = name, .keys = {}, .notifier = notifier, .out = out};
+    PeerContext context{.servo = name, .keys = {}, .notifier = notifier, .out = out, .errands = errands};
     std::optional<Peer> peer;
     std::optional<FrameStream> stream;  // its application
     std::uint32_t id = 0;
@@ -50,18 +57,25 @@ struct ByRounds : testing::Test {
         const sockaddr_in from = loopback(1);
         sockaddr_storage address{};
         std::memcpy(&address, &from, sizeof from);
-        peer.emplace(shm::UniqueFd(ends[0]), address, 1, nullptr, detail::monotonic_ns());
+        peer.emplace(shm::UniqueFd(ends[0]), address, 1, std::nullopt, detail::monotonic_ns());
         stream.emplace(shm::UniqueFd(ends[1]), false);
         send(*stream, FrameType::hello, hello());
         send(*stream, FrameType::attach, shared_claim());
         stream->pump();
-        while (!peer->greeted() || peer->unfinished()) ASSERT_TRUE(round());
+        while (!peer->greeted() || peer->waits_for_servo()) ASSERT_TRUE(round());
         id = await<Attached>(*stream, FrameType::attached).stream;
     }
     void TearDown() override {
         if (peer) peer->close(context, Error::Kind::disconnected, "");
     }
-    bool round() { return peer->serve(context, detail::monotonic_ns()); }
+    bool round() {
+        const std::int64_t now = detail::monotonic_ns();
+        if (!peer->waits_for_servo()) return peer->serve(context, now);
+        pollfd one{.fd = errands.event(), .events = POLLIN, .revents = 0};
+        while (!peer->servo_answered()) EXPECT_EQ(::poll(&one, 1, 20'000), 1);
+        errands.clear_event();
+        return peer->go_on(context, now);
+    }
     /// How many such answers have come since the last call.
     int answers(FrameType type) {
         int count = 0;
@@ -84,7 +98,7 @@ TEST_F(ByRounds, of_many_tiny_shapes_of_one_peer_one_is_passed_on_in_each) {
         const int now = answers(FrameType::asset_taken);
         EXPECT_LE(now, 1) << "in round " << rounds;
         taken += now;
-    } while (peer->unfinished() && ++rounds < 10 * many);
+    } while (peer->waits_for_servo() && ++rounds < 10 * many);
     EXPECT_EQ(taken, many) << "all in their order";
     EXPECT_GE(rounds, many);
 }
@@ -106,12 +120,145 @@ TEST_F(ByRounds, claims_are_one_in_each_too_and_what_asks_for_nothing_goes_at_on
     stream->pump();
     for (int i = 0; i < many; ++i) {
         ASSERT_TRUE(round());
-        EXPECT_TRUE(peer->unfinished());
-        EXPECT_EQ(answers(FrameType::attached), 1) << i;
+        EXPECT_TRUE(peer->waits_for_servo());
+        EXPECT_EQ(answers(FrameType::attached), i > 0 ? 1 : 0) << i;
     }
     ASSERT_TRUE(round());
-    EXPECT_FALSE(peer->unfinished());
-    EXPECT_EQ(answers(FrameType::asset_taken), 9);
+    EXPECT_FALSE(peer->waits_for_servo());
+    std::vector<std::uint16_t> types;
+    stream->pump();
+    while (const Frame* frame = stream->next()) types.push_back(frame->type);
+    std::vector<std::uint16_t> expected(10, static_cast<std::uint16_t>(FrameType::asset_taken));
+    expected.front() = static_cast<std::uint16_t>(FrameType::attached);
+    EXPECT_EQ(types, expected);
+}
+
+// As above, and the servo stands still meanwhile.
+TEST_F(ByRounds, no_round_waits_for_a_servo_that_stands_still) {
+    servo_.stop();
+    send(*stream, FrameType::attach, shared_claim());
+    stream->pump();
+    ASSERT_TRUE(round());
+    EXPECT_TRUE(peer->waits_for_servo());
+    EXPECT_FALSE(peer->servo_answered());
+    servo_.go_on();
+    ASSERT_TRUE(round());
+    EXPECT_EQ(answers(FrameType::attached), 1);
+}
+
+TEST_F(ByRounds, a_claim_for_which_nobody_waits_any_more_is_not_kept) {
+    servo_.stop();
+    Attach alone;
+    alone.request.capacity = {.representations = 8, .batch_bytes = 1024};
+    alone.request.device = 1;
+    send(*stream, FrameType::attach, alone);
+    stream->pump();
+    ASSERT_TRUE(round());
+    ASSERT_TRUE(peer->waits_for_servo());
+    ASSERT_TRUE(eventually([&] {
+        int bytes = 0;
+        return ::ioctl(peer->hang_up(), SIOCOUTQ, &bytes) == 0 && bytes > 0;
+    })) << "the servo is asked, and has not read it";
+    peer->close(context, Error::Kind::disconnected, "");
+    servo_.go_on();
+    Client client = Client::connect("knurl:default", {.wait = 20s});
+    EXPECT_TRUE(eventually([&] {
+        try {
+            client.claim(client.devices()[1].name);
+            return true;
+        } catch (const Error&) {
+            return false;
+        }
+    }));
+}
+
+/// What a peer of a real bridge asks of a servo that stands still.
+struct Asking {
+    const char* what;
+    FrameType answer;  // of the bridge, when the servo has not answered
+    std::function<void(FrameStream&)> before, ask;
+};
+void PrintTo(const Asking& asking, std::ostream* out) {
+    *out << asking.what;
+}
+void come_in(FrameStream& stream) {
+    greet(stream);
+    send(stream, FrameType::attach, shared_claim());
+    ASSERT_EQ(await<Attached>(stream, FrameType::attached).stream, 1u);
+}
+const Asking askings[] = {
+    {"hello", FrameType::refused, [](FrameStream&) {},
+     [](FrameStream& stream) { send(stream, FrameType::hello, hello()); }},
+    {"claim", FrameType::refused, come_in,
+     [](FrameStream& stream) { send(stream, FrameType::attach, shared_claim()); }},
+    {"asset", FrameType::asset_refused, come_in,
+     [](FrameStream& stream) { offer_and_call_off(stream, 1, 1); }},
+};
+
+struct AtAStoppedServo : testing::TestWithParam<Asking> {};
+
+// An answer to a ping needs no servo. Many of them come while another peer waits; one or two could come where
+// the bridge itself waits, before its wait and just after.
+TEST_P(AtAStoppedServo, one_peer_waits_and_the_others_do_not) {
+    ServoUp servo;
+    BridgeProcess bridge;
+    FrameStream other(dial(bridge), false), waiting(dial(bridge), false);
+    Pinger pinger(greet(other), bound(SOCK_DGRAM));
+    waiting.pump();
+    GetParam().before(waiting);
+    servo.stop();
+    GetParam().ask(waiting);
+    std::uint64_t pongs = 0;
+    bool refused = false;
+    while (!refused && waiting.state() != FrameStream::State::closed) {
+        pinger.ping(bridge.port(), pongs + 1);
+        ASSERT_TRUE(pinger.answered());
+        ++pongs;
+        waiting.pump();
+        while (const Frame* frame = waiting.next())
+            refused = refused || frame->type == static_cast<std::uint16_t>(GetParam().answer);
+    }
+    EXPECT_TRUE(refused) << "it is told that the servo does not answer";
+    EXPECT_GT(pongs, 4u);
+    servo.go_on();
+    EXPECT_TRUE(connect_to(bridge).connected());
+}
+
+INSTANTIATE_TEST_SUITE_P(Asked, AtAStoppedServo, testing::ValuesIn(askings),
+                         [](const auto& each) { return std::string(each.param.what); });
+
+// A process of the servo's host that takes all half-open places of the servo's door, and again as soon as it
+// has lost them.
+TEST(Errands, of_peers_who_cannot_reach_the_servo_keep_nobody_else_waiting) {
+    KNURL_NEEDS(knurl::test::missing_second_processor());
+    const ServoUp servo;
+    BridgeProcess bridge;
+    Bystander bystander(bridge);
+    std::jthread door([&](const std::stop_token& stop) {
+        std::vector<shm::UniqueFd> sockets(64);  // 16 half-open ones, and a queue of those who will be
+        while (!stop.stop_requested()) {
+            for (shm::UniqueFd& socket : sockets)
+                if (!stop.stop_requested() && (!socket || hung_up(socket, 0)))
+                    socket = shm::connect_to(servo.socket());
+        }
+    });
+    std::atomic<int> turned_away{0};
+    std::vector<std::jthread> coming;
+    for (int i = 0; i < 3; ++i)
+        coming.emplace_back([&](const std::stop_token& stop) {
+            while (!stop.stop_requested()) {
+                try {
+                    Client::connect(bridge.address(), {.name = "late", .wait = 0ms});
+                } catch (const Error&) {
+                    ++turned_away;
+                }
+            }
+        });
+    ASSERT_TRUE(eventually([&] { return turned_away > 0; })) << "the servo's door is crowded";
+    bystander.expect_well();
+    const int before = turned_away;
+    ASSERT_TRUE(eventually([&] { return turned_away > before; }));
+    bystander.expect_well();
 }
 
 /// Rounds; one that was served to its end in each had thousands of them done in one.

@@ -28,22 +28,26 @@ TEST(Mistakes, of_who_starts_a_bridge) {
         EXPECT_TRUE(bridge.line().empty()) << "one line";
         EXPECT_NE(bridge.status(), 0);
     };
-    refused({}, "0.0.0.0:0", "needs keys");
-    refused({}, "[::]:0", "needs keys");
-    refused({}, "192.0.2.1:4096", "needs keys");
+    for (const char* listen : {"0.0.0.0:0", "[::]:0", "192.0.2.1:4096"}) {
+        refused({}, listen, "needs keys");
+        refused({"--anyone"}, listen, "needs keys");
+    }
+    refused({}, "127.0.0.1:0", "every user of this host could move the hand");
+    refused({}, "[::1]:0", "or give --anyone");
     refused({}, "127.0.0.1:x", "the port is a number");
     refused({"--keys", "/no/such/file"}, "127.0.0.1:0", "/no/such/file");
     for (const char* name : {"a/b", ".a", "a b"})
-        refused({"--servo", name}, "127.0.0.1:0", "no servo has such a name");
+        refused({"--anyone", "--servo", name}, "127.0.0.1:0", "no servo has such a name");
 
     KeyRing ring;
     ring.add("anna", Role::control);
     refused({"--keys", ring.file()}, "192.0.2.1:4096", "an address that this host has");
+    refused({"--keys", ring.file(), "--anyone"}, "127.0.0.1:0", "give one of the two");
     ::chmod(ring.file().c_str(), 0644);
     refused({"--keys", ring.file()}, "127.0.0.1:0", "600");
 
     BridgeProcess first;
-    refused({}, first.host_and_port(), "another program has this port");
+    refused({"--anyone"}, first.host_and_port(), "another program has this port");
 }
 
 TEST(Mistakes, a_bridge_without_a_servo_says_so_to_its_peers_and_takes_them_when_there_is_one) {

@@ -19,7 +19,10 @@ namespace knurl::bridge::test {
 
 /// A servo that listens already: a stranger is told so once, and does not ask again.
 struct ServoUp : ServoProcess {
-    ServoUp() { Client::connect("knurl:default", {.wait = 20s}); }
+    explicit ServoUp(std::vector<std::string> arguments = {"--device", "sim:cartesian3"})
+        : ServoProcess(std::move(arguments)) {
+        Client::connect("knurl:default", {.wait = 20s});
+    }
 };
 
 inline shm::UniqueFd dial(const BridgeProcess& bridge, int type = SOCK_STREAM) {
@@ -149,8 +152,8 @@ class Pinger {
 /// has to wait now and then.
 class Bystander {
   public:
-    explicit Bystander(const BridgeProcess& bridge)
-        : client_(connect_to(bridge)), hand_(client_.claim("", {.shared = true})) {
+    explicit Bystander(const BridgeProcess& bridge, const std::string& key = {})
+        : client_(connect_to(bridge, key)), hand_(client_.claim("", {.shared = true})) {
         force_.emplace(hand_.add(at_once({})));
     }
     void expect_well() {

@@ -52,8 +52,8 @@ class Remote {
 
     void start_bridge(const std::string& listen) {
         bridge.reset();
-        std::vector<std::string> words{"--listen", listen};
-        if (!keys_.empty()) words.insert(words.end(), {"--keys", keys_});
+        std::vector<std::string> words{"--listen", listen, "--anyone"};
+        if (!keys_.empty()) words = {"--listen", listen, "--keys", keys_};
         bridge.emplace(stage_.home, KNURL_BRIDGE, words);
         const std::string mark = "is reached at knurl://127.0.0.1:";
         bridge->wait_for_output(mark);

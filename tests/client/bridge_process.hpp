@@ -18,7 +18,7 @@ namespace client_test {
 class BridgeProcess {
   public:
     /// `arguments` follow --listen, which takes any free port: the bridge's first line has it.
-    explicit BridgeProcess(std::vector<std::string> arguments = {},
+    explicit BridgeProcess(std::vector<std::string> arguments = {"--anyone"},
                            const std::string& listen = "127.0.0.1:0") {
         arguments.insert(arguments.begin(), {KNURL_BRIDGE, "--listen", listen});
         std::vector<char*> words;

@@ -238,6 +238,13 @@ TEST_F(Socket, DoesNotTouchALiveServoWithAFullBacklog) {
     EXPECT_TRUE(fs::exists(path_));
 }
 
+TEST_F(Socket, DoesNotWaitForeverForAPlaceInAFullBacklog) {
+    listener_ = listen_at(path_, 0660, 0);
+    client_ = connect_to(path_);
+    EXPECT_NE(test::refusal_of([&] { connect_to(path_, std::chrono::milliseconds(1)); }).find("stopped?"),
+              std::string::npos);
+}
+
 TEST_F(Socket, NeverRemovesAFileThatIsNotASocket) {
     std::ofstream(path_) << "precious";
     EXPECT_NE(test::refusal_of([&] { listen_at(path_, 0660, 8); }), "accepted");

@@ -31,6 +31,37 @@ shm::UniqueFd make_memory(std::uint64_t bytes) {
 
 }  // namespace
 
+/// Gives the servo an asset.
+class OfferErrand final : public Errand {
+  public:
+    OfferErrand(std::shared_ptr<detail::AssetDoor> door, std::uint32_t number, shm::UniqueFd memory,
+                std::uint64_t bytes)
+        : door_(std::move(door)), number_(number), memory_(std::move(memory)), bytes_(bytes) {}
+    std::unique_ptr<detail::AssetTransfer> transfer;
+
+  private:
+    void ask() override { transfer = door_->offer(number_, memory_, bytes_); }
+    const std::shared_ptr<detail::AssetDoor> door_;
+    const std::uint32_t number_;
+    const shm::UniqueFd memory_;
+    const std::uint64_t bytes_;
+};
+
+namespace {
+
+class ForgetErrand final : public Errand {
+  public:
+    ForgetErrand(std::shared_ptr<detail::AssetDoor> door, std::uint32_t number)
+        : door_(std::move(door)), number_(number) {}
+
+  private:
+    void ask() override { door_->forget(number_); }
+    const std::shared_ptr<detail::AssetDoor> door_;
+    const std::uint32_t number_;
+};
+
+}  // namespace
+
 template <class T>
 bool AssetReceiver::say(FrameType type, const T& body, std::string& why) {
     if (frames_.send(static_cast<std::uint16_t>(type), 0, bytes_of(body))) return true;
@@ -80,8 +111,14 @@ bool AssetReceiver::offer(std::uint32_t stream, const std::shared_ptr<detail::As
         return false;
     }
     last_ticket_ = offer.ticket;
-    if (const auto left = held_.find({stream, offer.number}); left != held_.end() && left->second.forgotten)
-        let_go(left);
+    const auto left = held_.find({stream, offer.number});
+    if (left == held_.end() || !left->second.forgotten) return make_place(stream, door, offer, why);
+    let_go(left, [this, stream, door, offer, &why] { return make_place(stream, door, offer, why); });
+    return true;
+}
+
+bool AssetReceiver::make_place(std::uint32_t stream, const std::shared_ptr<detail::AssetDoor>& door,
+                               const AssetOffer& offer, std::string& why) {
     try {
         require_place(stream, offer);
         parcels_[offer.ticket] = {.stream = stream,
@@ -113,7 +150,7 @@ bool AssetReceiver::piece(std::span<const std::byte> payload, std::string& why) 
             static_cast<ssize_t>(payload.size()))
             no_memory(parcel.bytes);
         parcel.come += payload.size();
-        if (parcel.come == parcel.bytes) pass_on(piece.ticket, parcel);
+        if (parcel.come == parcel.bytes) pass_on(piece.ticket, parcel, why);
         return true;
     } catch (const Error& error) {
         parcels_.erase(found);
@@ -121,17 +158,31 @@ bool AssetReceiver::piece(std::span<const std::byte> payload, std::string& why) 
     }
 }
 
-void AssetReceiver::pass_on(std::uint64_t ticket, Parcel& parcel) {
+void AssetReceiver::pass_on(std::uint64_t ticket, Parcel& parcel, std::string& why) {
     if (::fcntl(parcel.memory.get(), F_ADD_SEALS, F_SEAL_WRITE | F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) !=
         0)
         no_memory(parcel.bytes);
     if (!event_) event_ = shm::UniqueFd(::epoll_create1(EPOLL_CLOEXEC));
-    asked_servo_ = true;
-    parcel.building = parcel.door->offer(parcel.number, parcel.memory, parcel.bytes);
-    parcel.memory.reset();
-    epoll_event event{.events = EPOLLIN, .data = {.u64 = ticket}};
-    if (!event_ || ::epoll_ctl(event_.get(), EPOLL_CTL_ADD, parcel.building->event(), &event) != 0)
-        no_memory(parcel.bytes);
+    auto errand =
+        std::make_shared<OfferErrand>(parcel.door, parcel.number, std::move(parcel.memory), parcel.bytes);
+    awaited_.ask(errand,
+                 [this, ticket, errand = errand.get(), &why] { return passed_on(ticket, *errand, why); });
+}
+
+bool AssetReceiver::passed_on(std::uint64_t ticket, OfferErrand& errand, std::string& why) {
+    const auto found = parcels_.find(ticket);
+    try {
+        errand.require_answer();
+        Parcel& parcel = found->second;
+        parcel.building = std::move(errand.transfer);
+        epoll_event event{.events = EPOLLIN, .data = {.u64 = ticket}};
+        if (!event_ || ::epoll_ctl(event_.get(), EPOLL_CTL_ADD, parcel.building->event(), &event) != 0)
+            no_memory(parcel.bytes);
+        return true;
+    } catch (const Error& error) {
+        parcels_.erase(found);
+        return refuse(ticket, error, why);
+    }
 }
 
 bool AssetReceiver::answers(std::string& why) {
@@ -167,7 +218,7 @@ bool AssetReceiver::cancel(std::span<const std::byte> payload, std::string& why)
     // The answer that it is ready may have been on its way.
     const auto found = std::find_if(held_.begin(), held_.end(),
                                     [&](const auto& each) { return each.second.ticket == message.ticket; });
-    if (found != held_.end()) let_go(found);
+    if (found != held_.end()) let_go(found, [] { return true; });
     return true;
 }
 
@@ -177,19 +228,22 @@ bool AssetReceiver::forget(std::uint32_t stream, std::span<const std::byte> payl
     if (!take(payload, message)) return false;
     const auto found = held_.find({stream, message.number});
     if (found == held_.end() || found->second.forgotten) return false;
-    let_go(found);
+    let_go(found, [] { return true; });
     return true;
 }
 
 /// If the servo does not listen at the moment, it is told when the place is needed again.
-void AssetReceiver::let_go(HeldOnes::iterator which) {
-    asked_servo_ = true;
-    try {
-        which->second.door->forget(which->first.second);
-        held_.erase(which);
-    } catch (const Error&) {
-        which->second.forgotten = true;
-    }
+void AssetReceiver::let_go(HeldOnes::iterator which, std::function<bool()> then) {
+    auto errand = std::make_shared<ForgetErrand>(which->second.door, which->first.second);
+    awaited_.ask(errand, [this, which, errand = errand.get(), then = std::move(then)] {
+        try {
+            errand->require_answer();
+            held_.erase(which);
+        } catch (const Error&) {
+            which->second.forgotten = true;
+        }
+        return then();
+    });
 }
 
 void AssetReceiver::drop(std::uint32_t stream) noexcept {

@@ -18,7 +18,8 @@ namespace knurl::bridge {
 class CallerRate {
   public:
     static constexpr std::int64_t burst = 128, per_second = 100;
-    static constexpr std::size_t hosts = 64;  // remembered; a new host replaces the one that has called least
+    static constexpr std::size_t hosts =
+        256;  // remembered; a new host replaces the one that has called least
 
     /// May a caller of that host speak? If it may, the call is counted.
     bool allows(const sockaddr_storage& from, std::int64_t now) noexcept {

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
@@ -21,15 +22,18 @@ namespace {
 
 constexpr const char* description =
     "Lets applications on other hosts use a servo of this host, as knurl://HOST:PORT. It is an ordinary\n"
-    "client of the servo. Without keys it serves only this host; with keys (made by `keygen`) all\ntraffic "
-    "is encrypted, and a key's role says what its owner may do.";
+    "client of the servo. With keys (made by `keygen`) all traffic is encrypted, and a key's role says what\n"
+    "its owner may do. Without keys it serves this host only, every user of it, and must be told so: "
+    "--anyone.";
 std::string bounds() {
     return detail::format(
-        "Bounds: {} sessions, {} claims and observers each; {} callers at a time before identification ({} "
-        "of one host), {:g} s each;\na session without a sign of life for {:g} s ends; its application "
-        "counts as silent {:g} s later than a local one.",
-        max_sessions, max_streams, Relay::most_pending, Relay::most_pending_of_host, Relay::greeting_seconds,
-        static_cast<double>(dead_after_ns) * 1e-9, delay_allowance);
+        "Bounds: {} sessions, {} claims and observers each; {} callers that have shown no key, {} that have "
+        "and "
+        "are\nnot in yet ({} of one host), {:g} s each; a session without a sign of life for {:g} s ends; "
+        "its "
+        "application\ncounts as silent {:g} s later than a local one.",
+        max_sessions, max_streams, WaitingRoom::seats, Relay::most_pending, Relay::most_pending_of_host,
+        Relay::greeting_seconds, static_cast<double>(dead_after_ns) * 1e-9, delay_allowance);
 }
 
 /// Signals arrive through a descriptor.
@@ -69,7 +73,19 @@ std::string about(const std::string& servo) {
     }
 }
 
-int serve(const std::string& servo, const std::string& listen, const std::string& keys_file) {
+/// TCP does not say which user of this host calls, as the servo's own socket does.
+void require_keys_or_anyone(const std::vector<Endpoint>& listen, bool keys, bool anyone) {
+    const bool this_host =
+        std::any_of(listen.begin(), listen.end(), [](const Endpoint& each) { return each.loopback(); });
+    if (this_host && !keys && !anyone)
+        throw commandline::UsageError(
+            "without keys every user of this host could move the hand: make a key (`knurl-bridge keygen "
+            "--name "
+            "NAME --role control`) and give --keys FILE, or give --anyone if that is meant");
+    if (keys && anyone) throw commandline::UsageError("--keys FILE and --anyone: give one of the two");
+}
+
+int serve(const std::string& servo, const std::string& listen, const std::string& keys_file, bool anyone) {
     try {
         protocol::servo_address(servo);
     } catch (const std::runtime_error& error) {
@@ -78,6 +94,7 @@ int serve(const std::string& servo, const std::string& listen, const std::string
     RelayOptions options;
     options.servo = servo;
     options.listen = resolve_all(listen);
+    require_keys_or_anyone(options.listen, !keys_file.empty(), anyone);
     if (!keys_file.empty()) options.keys = read_keys(keys_file);
     const shm::UniqueFd signals = take_signals();
     raise_descriptor_limit();
@@ -120,11 +137,13 @@ int generate(const std::string& file, const std::string& name, const std::string
 int bridge_main(int argc, char** argv) {
     std::string servo = "default", listen = "127.0.0.1:4096", keys, name, role = "control";
     std::string file = "/etc/knurl/bridge.keys";
+    bool anyone = false;
     commandline::Command app("knurl-bridge", description);
     app.footer(bounds());
     app.servo(servo, "The servo's name").shows_default();
     app.option("--listen", listen, "HOST:PORT, for TCP and UDP; any but this host's own needs --keys")
         .shows_default();
+    app.flag("--anyone", anyone, "Without keys: any user of this host may do everything");
     app.option("--keys", keys, "File with the keys that may connect (mode 0600); read again on SIGHUP");
     commandline::Command& keygen = app.verb("keygen", "Adds a key to a file");
     keygen.option("--keys", file, "The file; created if it is missing").shows_default();
@@ -132,7 +151,7 @@ int bridge_main(int argc, char** argv) {
     keygen.option("--role", role, "observe (reports), render (joins a device that is on), control (all)")
         .shows_default();
     keygen.action([&] { return generate(file, name, role); });
-    app.action([&] { return serve(servo, listen, keys); });
+    app.action([&] { return serve(servo, listen, keys, anyone); });
     return commandline::run(app, argc, argv);
 }
 

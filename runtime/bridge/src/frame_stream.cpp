@@ -28,8 +28,18 @@ constexpr std::size_t read_ahead = 16 * 1024;  // room for a TLS record of follo
 FrameStream::FrameStream(shm::UniqueFd fd, bool server, std::shared_ptr<const TlsContext> tls)
     : FrameStream(std::move(fd), server, std::move(tls), Limits{}) {}
 
-// The pages of the buffers take memory when first written, so a peer that sends little costs little.
 FrameStream::FrameStream(shm::UniqueFd fd, bool server, std::shared_ptr<const TlsContext> tls, Limits limits)
+    : FrameStream(std::move(fd), server, limits) {
+    if (tls) tls_.emplace(std::move(tls), fd_.get());
+}
+
+FrameStream::FrameStream(shm::UniqueFd fd, std::optional<TlsSession> tls, Limits limits)
+    : FrameStream(std::move(fd), true, limits) {
+    if (tls) tls_.emplace(std::move(*tls));
+}
+
+// The pages of the buffers take memory when first written, so a peer that sends little costs little.
+FrameStream::FrameStream(shm::UniqueFd fd, bool server, Limits limits)
     : fd_(std::move(fd)),
       server_(server),
       limits_(limits),
@@ -45,7 +55,6 @@ FrameStream::FrameStream(shm::UniqueFd fd, bool server, std::shared_ptr<const Tl
     // socket.)
     const int on = 1;
     ::setsockopt(fd_.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
-    if (tls) tls_.emplace(std::move(tls), fd_.get());
 }
 
 FrameStream::~FrameStream() = default;

@@ -58,6 +58,8 @@ class FrameStream {
     /// for a plain connection.
     FrameStream(shm::UniqueFd fd, bool server, std::shared_ptr<const TlsContext> tls, Limits limits);
     FrameStream(shm::UniqueFd fd, bool server, std::shared_ptr<const TlsContext> tls = nullptr);
+    /// A server's end; `tls` has heard the caller, and none means a plain connection.
+    FrameStream(shm::UniqueFd fd, std::optional<TlsSession> tls, Limits limits);
     ~FrameStream();
     FrameStream(const FrameStream&) = delete;
     FrameStream& operator=(const FrameStream&) = delete;
@@ -96,6 +98,7 @@ class FrameStream {
     void close() noexcept;
 
   private:
+    FrameStream(shm::UniqueFd fd, bool server, Limits limits);
     enum class From : std::uint8_t { socket, decrypted };
     void connect_and_handshake() noexcept;
     void read_some(From from) noexcept;

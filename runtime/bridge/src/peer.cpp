@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstring>
 
+#include <sys/socket.h>
+
 #include <knurl/link/clock.hpp>
 #include <knurl/link/local.hpp>
 #include <knurl/link/text.hpp>
@@ -42,10 +44,40 @@ std::string name_at(std::string_view name, const sockaddr_storage& from) {
 
 }  // namespace
 
+/// Makes a peer a client of the servo.
+class GreetErrand final : public Errand {
+  public:
+    GreetErrand(std::string servo, std::string name, bool observers_too)
+        : servo_(std::move(servo)), name_(std::move(name)), observers_too_(observers_too) {}
+    std::shared_ptr<detail::Link> link;
+    std::optional<ReportNotifier::Observers> observers;
+
+  private:
+    void ask() override {
+        if (observers_too_) observers = ReportNotifier::attach(servo_);
+        link = detail::connect_local(servo_, name_, servo_answer_time);
+    }
+    const std::string servo_, name_;
+    const bool observers_too_;
+};
+
+class AttachErrand final : public Errand {
+  public:
+    AttachErrand(std::shared_ptr<detail::Link> link, const protocol::ClaimRequest& request)
+        : link_(std::move(link)), request_(request) {}
+    std::optional<detail::Attachment> attachment;
+
+  private:
+    void ask() override { attachment = link_->attach(request_.device, request_); }
+    /// The servo sees at once that the peer has gone.
+    void interrupt() noexcept override { ::shutdown(link_->hang_up(), SHUT_RDWR); }
+    const std::shared_ptr<detail::Link> link_;
+    const protocol::ClaimRequest request_;
+};
+
 Peer::Peer(shm::UniqueFd socket, const sockaddr_storage& from, std::uint64_t session,
-           std::shared_ptr<const TlsContext> tls, std::int64_t now)
-    : frames_(std::move(socket), true, std::move(tls),
-              {.payload = max_frame_bytes, .outgoing = waiting_bytes}),
+           std::optional<TlsSession> tls, std::int64_t now)
+    : frames_(std::move(socket), std::move(tls), {.payload = max_frame_bytes, .outgoing = waiting_bytes}),
       from_(from),
       session_(session),
       name_(numeric(from)),
@@ -72,17 +104,23 @@ PeerStream* Peer::stream_of(std::uint32_t id) noexcept {
 
 bool Peer::serve(PeerContext& context, std::int64_t now) {
     frames_.pump();
-    unfinished_ = false;
-    while (const Frame* frame = frames_.next()) {
+    while (!awaited_.waits()) {
+        const Frame* const frame = frames_.next();
+        if (frame == nullptr) break;
         heard_ns_ = now;
-        asked_servo_ = false;
         if (!take_frame(*frame, context)) return false;
-        unfinished_ = assets_.asked_servo() || asked_servo_;
-        if (unfinished_) break;
+        if (awaited_.waits()) context.errands.submit(awaited_.errand());
     }
     if (frames_.state() == FrameStream::State::closed)
         return fail(frames_.reason().empty() ? "it hung up" : frames_.reason());
     return true;
+}
+
+bool Peer::go_on(PeerContext& context, std::int64_t now) {
+    heard_ns_ = now;  // its own patience is as long
+    if (!awaited_.go_on()) return false;
+    if (awaited_.waits()) context.errands.submit(awaited_.errand());
+    return serve(context, now);
 }
 
 bool Peer::take_frame(const Frame& frame, PeerContext& context) {
@@ -151,13 +189,23 @@ bool Peer::greet(std::span<const std::byte> payload, PeerContext& context) {
             detail::format("the bridge has {} sessions, which is all it takes; end one", max_sessions)));
         return fail("there are too many");
     }
+    auto errand = std::make_shared<GreetErrand>(context.servo, name_, !context.notifier.is_open());
+    awaited_.ask(errand, [this, errand = errand.get(), &context] { return welcome(*errand, context); });
+    return true;
+}
+
+bool Peer::welcome(GreetErrand& errand, PeerContext& context) {
     try {
-        context.notifier.open();
-        link_ = detail::connect_local(context.servo, name_, servo_answer_time);
+        errand.require_answer();
+        if (!context.notifier.is_open()) {
+            if (!errand.observers) throw Error(Error::Kind::no_servo, "its servo has just ended; try again");
+            context.notifier.open(std::move(*errand.observers));
+        }
     } catch (const Error& error) {
         refuse(Error(error.kind, detail::format("the bridge is there, but {}", error.what())));
         return fail(error.what());
     }
+    link_ = std::move(errand.link);
     const std::optional<DirectionKeys> keys = frames_.export_keys(exporter_label);
     outgoing_ = OutgoingDatagrams(session_, keys ? &keys->send : nullptr);
     incoming_ = IncomingDatagrams(session_, keys ? &keys->receive : nullptr);
@@ -215,13 +263,25 @@ bool Peer::attach(std::span<const std::byte> payload, PeerContext& context) {
         if (const auto reason = forbidden(message.request)) throw Error(Error::Kind::permission, *reason);
         message.request.delay_allowance = delay_allowance;
         const auto id = static_cast<std::uint32_t>(free - streams_.begin() + 1);
-        asked_servo_ = true;
-        detail::Attachment attachment = link_->attach(message.request.device, message.request);
+        auto errand = std::make_shared<AttachErrand>(link_, message.request);
+        awaited_.ask(errand, [this, errand = errand.get(), id, rate = message.report_rate, &context] {
+            return attached(*errand, id, rate, context);
+        });
+        return true;
+    } catch (const Error& error) {
+        return refuse(error) || fail("it does not read");
+    }
+}
+
+bool Peer::attached(AttachErrand& errand, std::uint32_t id, double report_rate, PeerContext& context) {
+    try {
+        errand.require_answer();
+        detail::Attachment& attachment = *errand.attachment;
         const Attached attached{.terms = attachment.terms, .device = attachment.device_index, .stream = id};
         next_stream_ = id;  // continue after this one
-        *free = std::make_unique<PeerStream>(id, std::move(attachment), message.report_rate);
+        streams_[id - 1] = std::make_unique<PeerStream>(id, std::move(attachment), report_rate);
         context.notifier.join(attached.device);
-        if (const Report* last = context.notifier.last(attached.device)) (*free)->note(*last);
+        if (const Report* last = context.notifier.last(attached.device)) streams_[id - 1]->note(*last);
         return frames_.send(static_cast<std::uint16_t>(FrameType::attached), 0, bytes_of(attached)) ||
                fail("it does not read");
     } catch (const Error& error) {
@@ -240,6 +300,7 @@ void Peer::release(std::uint32_t id, PeerContext& context) noexcept {
 }
 
 void Peer::close(PeerContext& context, Error::Kind kind, const std::string& text) noexcept {
+    awaited_.abandon();
     for (std::uint32_t id = 1; id <= streams_.size(); ++id) release(id, context);
     if (frames_.state() == FrameStream::State::open && !text.empty()) refuse(Error(kind, text));
     frames_.close();

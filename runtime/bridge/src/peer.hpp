@@ -12,6 +12,7 @@
 #include "asset_receiver.hpp"
 #include "peer_stream.hpp"
 #include "report_notifier.hpp"
+#include "servo_errand.hpp"
 
 namespace knurl::bridge {
 
@@ -21,13 +22,17 @@ struct PeerContext {
     std::span<const Key> keys;  // none: every caller has all rights
     ReportNotifier& notifier;
     OutQueue& out;
-    std::size_t sessions = 0;  // open at present
+    ServoErrands& errands;
+    std::size_t sessions = 0;  // at present
 };
+
+class GreetErrand;
+class AttachErrand;
 
 class Peer {
   public:
     Peer(shm::UniqueFd socket, const sockaddr_storage& from, std::uint64_t session,
-         std::shared_ptr<const TlsContext> tls, std::int64_t now);
+         std::optional<TlsSession> tls, std::int64_t now);
     ~Peer();
     Peer(const Peer&) = delete;
     Peer& operator=(const Peer&) = delete;
@@ -36,6 +41,8 @@ class Peer {
     int hang_up() const noexcept { return link_ ? link_->hang_up() : -1; }
     bool wants_write() const noexcept { return frames_.wants_write(); }
     bool greeted() const noexcept { return link_ != nullptr; }
+    /// It has said who it is, and is greeted unless the servo is still asked.
+    bool identified() const noexcept { return greeted() || awaited_.waits(); }
     int assets_event() const noexcept { return assets_.event(); }
     std::uint64_t session() const noexcept { return session_; }
     const sockaddr_storage& from() const noexcept { return from_; }
@@ -49,11 +56,12 @@ class Peer {
     void heard(std::int64_t now) noexcept { heard_ns_ = now; }
 
     // Each of these returns false if the peer must be closed, for why(). Called when its connection has data
-    // or room. Stops after the first frame that needs the servo: other peers must not wait for two such
-    // frames of one peer.
+    // or room. Behind a frame for which the servo is asked the others wait, until the answer is there.
     bool serve(PeerContext& context, std::int64_t now);
-    /// Frames are left for the next round.
-    bool unfinished() const noexcept { return unfinished_; }
+    bool waits_for_servo() const noexcept { return awaited_.waits(); }
+    bool servo_answered() const noexcept { return awaited_.answered(); }
+    /// After the servo's answer.
+    bool go_on(PeerContext& context, std::int64_t now);
     bool serve_assets() { return assets_.answers(why_); }
     bool cycle(std::uint32_t device, const Report& report, std::uint64_t unseen, std::int64_t now,
                PeerContext& context) noexcept;
@@ -70,7 +78,9 @@ class Peer {
   private:
     bool take_frame(const Frame& frame, PeerContext& context);
     bool greet(std::span<const std::byte> payload, PeerContext& context);
+    bool welcome(GreetErrand& errand, PeerContext& context);
     bool attach(std::span<const std::byte> payload, PeerContext& context);
+    bool attached(AttachErrand& errand, std::uint32_t id, double report_rate, PeerContext& context);
     void release(std::uint32_t stream, PeerContext& context) noexcept;
     bool refuse(const Error& error) noexcept;
     std::optional<std::string> forbidden(const protocol::ClaimRequest& request) const;
@@ -85,17 +95,17 @@ class Peer {
     const std::uint64_t session_;
     std::string name_;
     std::optional<Key> key_;
-    std::unique_ptr<detail::Link> link_;  // null: not greeted yet
+    std::shared_ptr<detail::Link> link_;  // null: not greeted yet
     OutgoingDatagrams outgoing_;
     IncomingDatagrams incoming_;
     std::array<CounterWindow, max_streams + 1> windows_{};
     PathMtu mtu_;
     LongestLately longest_;  // of its datagrams
     std::array<std::unique_ptr<PeerStream>, max_streams> streams_;
-    AssetReceiver assets_{frames_};
+    Awaited awaited_;
+    AssetReceiver assets_{frames_, awaited_};
     std::size_t next_stream_ = 0;
     std::int64_t heard_ns_;
-    bool asked_servo_ = false, unfinished_ = false;
     std::uint64_t replayed_ = 0, forged_ = 0;  // datagrams
     std::string why_;
 };

@@ -2,17 +2,20 @@
 
 namespace knurl::bridge {
 
-bool ReportNotifier::open() {
-    if (link_) return false;
-    auto link = detail::connect_local(servo_, "knurl-bridge", servo_answer_time);
+ReportNotifier::Observers ReportNotifier::attach(const std::string& servo) {
+    Observers made{.link = detail::connect_local(servo, "knurl-bridge", servo_answer_time), .devices = {}};
     protocol::ClaimRequest request;
     request.observe = 1;
-    std::vector<Device> devices;
-    for (std::uint32_t i = 0; i < link->devices().size(); ++i)
-        devices.push_back({.attachment = link->attach(i, request)});
-    link_ = std::move(link);
-    devices_ = std::move(devices);
-    return true;
+    for (std::uint32_t i = 0; i < made.link->devices().size(); ++i)
+        made.devices.push_back(made.link->attach(i, request));
+    return made;
+}
+
+void ReportNotifier::open(Observers observers) {
+    devices_.clear();
+    for (detail::Attachment& attachment : observers.devices)
+        devices_.push_back({.attachment = std::move(attachment)});
+    link_ = std::move(observers.link);
 }
 
 void ReportNotifier::join(std::size_t device) noexcept {

@@ -11,15 +11,20 @@
 
 namespace knurl::bridge {
 
-inline constexpr std::chrono::milliseconds servo_answer_time{500};  // all peers wait during this time
+inline constexpr std::chrono::milliseconds servo_answer_time{500};
 
 class ReportNotifier {
   public:
-    explicit ReportNotifier(std::string servo) : servo_(std::move(servo)) {}
+    /// One that is attached to each device.
+    struct Observers {
+        std::unique_ptr<detail::Link> link;
+        std::vector<detail::Attachment> devices;
+    };
+    /// Waits for the servo's answers; throws Error.
+    static Observers attach(const std::string& servo);
 
-    /// Attaches to the servo, if not attached. True: it has just attached, so its descriptors must be
-    /// watched. Throws Error.
-    bool open();
+    /// Only while it is not open. Then its descriptors must be watched.
+    void open(Observers observers);
     void close() noexcept { devices_.clear(), link_.reset(); }
     bool is_open() const noexcept { return link_ != nullptr; }
 
@@ -44,7 +49,6 @@ class ReportNotifier {
         Report last{};
         bool any = false;
     };
-    std::string servo_;
     std::unique_ptr<detail::Link> link_;
     std::vector<Device> devices_;
 };

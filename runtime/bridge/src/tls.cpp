@@ -9,6 +9,7 @@
 #include <openssl/ssl.h>
 #include <sys/socket.h>
 
+#include <knurl/link/text.hpp>
 #include <knurl/words/printable.hpp>
 
 #include "system_text.hpp"
@@ -43,7 +44,7 @@ SSL_SESSION* session_of(SSL* ssl, const std::array<std::byte, key_bytes>& secret
 
 /// A name from the other side, made safe for a log line.
 std::string in_quotes(std::string_view name) {
-    return "'" + words::printable(name, max_key_name) + "'";
+    return detail::format("'{}'", words::printable(name, max_key_name));
 }
 
 /// An alert from the peer has the reason 1000 + its number (RFC 8446, 6).
@@ -168,6 +169,8 @@ TlsSession::TlsSession(std::shared_ptr<const TlsContext> context, int fd) : impl
 }
 
 TlsSession::~TlsSession() = default;
+TlsSession::TlsSession(TlsSession&&) noexcept = default;
+TlsSession& TlsSession::operator=(TlsSession&&) noexcept = default;
 
 TlsSession::Io TlsSession::Impl::judge(int result) noexcept {
     const int error = SSL_get_error(ssl.get(), result);
@@ -294,6 +297,10 @@ std::size_t TlsSession::pending() const noexcept {
 
 std::string_view TlsSession::peer_identity() const noexcept {
     return impl_->done ? std::string_view(impl_->identity) : std::string_view();
+}
+
+bool TlsSession::known_key() const noexcept {
+    return impl_->known;
 }
 
 bool TlsSession::export_keys(std::string_view label, DirectionKeys& out) const noexcept {

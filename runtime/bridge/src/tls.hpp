@@ -53,9 +53,8 @@ class TlsSession {
 
     TlsSession(std::shared_ptr<const TlsContext> context, int fd);
     ~TlsSession();
-    TlsSession(const TlsSession&) = delete;
-    TlsSession& operator=(const TlsSession&) = delete;
-
+    TlsSession(TlsSession&&) noexcept;
+    TlsSession& operator=(TlsSession&&) noexcept;
     Io handshake() noexcept;  // done: both ends have shown that they hold the key
     Moved read(std::span<std::byte> into) noexcept;
     Moved write(std::span<const std::byte> from) noexcept;
@@ -65,6 +64,8 @@ class TlsSession {
     std::size_t pending() const noexcept;  // bytes that read() has without the socket
     /// Server: the name of the client's key, once the handshake is done.
     std::string_view peer_identity() const noexcept;
+    /// Server: the client's hello was made with a key, now or earlier.
+    bool known_key() const noexcept;
     /// RFC 8446, 7.5. False: the handshake is not done.
     bool export_keys(std::string_view label, DirectionKeys& out) const noexcept;
     /// One line: what went wrong and what to do.

@@ -36,13 +36,21 @@ std::optional<std::string> forbidden(const std::string& path) {
         status.st_mode & 0777u, group_name);
 }
 
-shm::UniqueFd connected(const std::string& servo) {
+[[noreturn]] void no_answer(const std::string& servo, std::chrono::milliseconds waited) {
+    throw Error(Error::Kind::no_servo,
+                detail::format(
+                    "servo '{}' does not answer (waited {} ms): is it stopped? `knurl ls` shows its process",
+                    servo, waited.count()));
+}
+
+shm::UniqueFd connected(const std::string& servo, std::chrono::milliseconds answer_time) {
     const auto [name, path] = protocol::servo_address(servo);
     if (const auto reason = forbidden(path)) throw Error(Error::Kind::permission, *reason);
     shm::UniqueFd socket;
     try {
-        socket = shm::connect_to(path);
+        socket = shm::connect_to(path, answer_time);
     } catch (const shm::SystemError& error) {
+        if (error.error == EAGAIN) no_answer(servo, answer_time);  // its queue of callers is full
         // An error that a starting servo would not cure is reported at once.
         if (error.error != ENOENT && error.error != ECONNREFUSED)
             throw Error(Error::Kind::exhausted, error.what());
@@ -59,7 +67,7 @@ shm::UniqueFd connected(const std::string& servo) {
 Conversation::Conversation(std::string servo, std::chrono::milliseconds answer_time)
     : servo_(std::move(servo)),
       answer_time_(answer_time),
-      socket_(connected(servo_)),
+      socket_(connected(servo_, answer_time_)),
       lost_in_child_(socket_.get()) {}
 
 std::pair<protocol::Welcome, std::vector<shm::UniqueFd>> Conversation::greet(const std::string& client_name) {
@@ -83,11 +91,7 @@ void Conversation::wait() {
     if (answers <= 0) {
         // A late answer must never count as the next request's, so this connection ends.
         ::shutdown(socket_.get(), SHUT_RDWR);
-        throw Error(
-            Error::Kind::no_servo,
-            detail::format("servo '{}' does not answer (waited {} ms): is it stopped? `knurl ls` shows its "
-                           "process",
-                           servo_, answer_time_.count()));
+        no_answer(servo_, answer_time_);
     }
 }
 

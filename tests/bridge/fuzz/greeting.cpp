@@ -131,13 +131,14 @@ std::unique_ptr<detail::Link> detail::connect_local(const std::string&, const st
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     const std::string servo = "default";
-    ReportNotifier notifier(servo);
+    ReportNotifier notifier;
+    ServoErrands errands(0);
     auto out = std::make_unique<OutQueue>(-1);
-    PeerContext context{.servo = servo, .keys = {}, .notifier = notifier, .out = *out};
-    notifier.open();
+    PeerContext context{.servo = servo, .keys = {}, .notifier = notifier, .out = *out, .errands = errands};
+    notifier.open(ReportNotifier::attach(servo));
     const std::size_t before = attached;
     fuzz::Ends ends = fuzz::connected();
-    Peer peer(std::move(ends.ours), {}, 7, nullptr, 0);
+    Peer peer(std::move(ends.ours), {}, 7, {}, 0);
     std::size_t asked = 0;
     bool open = true;
     Heard heard;
@@ -164,6 +165,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         ::send(ends.theirs.get(), &header, sizeof header, MSG_NOSIGNAL);
         ::send(ends.theirs.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL);
         open = peer.serve(context, 0);
+        while (open && peer.servo_answered()) open = peer.go_on(context, 0);
         fuzz::require(open || !peer.why().empty());
         if (type == FrameType::attach && greeted && open) ++asked;
         const Heard more = listen(ends.theirs);

@@ -1,7 +1,9 @@
 // Any bytes into an end that expects TLS and a key: it never opens, never returns a frame, and states why it
-// closed. The first byte chooses the side; the corpus has real first flights of both sides.
+// closed. The first byte chooses the side; the corpus has real first flights of both sides. A waiting caller
+// with such bytes is read sooner or later: as soon as they are worth it, and at the latest at the bound.
 
 #include "streams.hpp"
+#include "waiting_room.hpp"
 
 using namespace knurl;
 using namespace knurl::bridge;
@@ -14,12 +16,24 @@ Key key() {
     return k;
 }
 
+void require_reading_once_worth_it(std::span<const std::byte> bytes, bool tls) {
+    bool worth = false;
+    for (std::size_t size = 0; size <= std::min(bytes.size(), max_hello_bytes); ++size) {
+        const bool now = is_worth_reading(bytes.first(size), tls);
+        fuzz::require(now || !worth);
+        worth = now;
+    }
+    fuzz::require(worth || bytes.size() < max_hello_bytes);
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     static const auto client = TlsContext::client(key());
     static const auto server = TlsContext::server({key()});
     if (size < 1 || size > 60'000) return 0;
+    for (const bool tls : {true, false})
+        require_reading_once_worth_it(std::as_bytes(std::span(data + 1, size - 1)), tls);
     const bool we_serve = data[0] & 1;
     fuzz::Ends ends = fuzz::connected();
     FrameStream stream(std::move(ends.ours), we_serve, we_serve ? server : client,

@@ -4,6 +4,7 @@
 /// Unix SOCK_SEQPACKET sockets: whole messages, which may carry file descriptors. Never used by the servo's
 /// thread.
 
+#include <chrono>
 #include <cstddef>
 #include <filesystem>
 #include <span>
@@ -24,8 +25,9 @@ inline constexpr std::size_t max_fds = 16;
 /// block.
 UniqueFd listen_at(const std::filesystem::path& path, mode_t mode, int backlog);
 
-/// Connects to `path`; the socket blocks. Throws SystemError if nobody listens there.
-UniqueFd connect_to(const std::filesystem::path& path);
+/// Connects to `path`; the socket blocks. Throws SystemError if nobody listens there. Where the listener's queue
+/// is full it waits for a place, at most `timeout` (then SystemError with EAGAIN); 0: without an end.
+UniqueFd connect_to(const std::filesystem::path& path, std::chrono::milliseconds timeout = {});
 
 /// The next connection, or an empty UniqueFd if none is pending. Throws SystemError if the listener is broken
 /// or the process is out of descriptors.
