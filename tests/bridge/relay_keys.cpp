@@ -56,6 +56,21 @@ TEST(Keys, that_are_wrong_or_missing_are_answered_with_a_line_that_says_so) {
     EXPECT_EQ(needless.kind, Error::Kind::permission) << needless.what();
 }
 
+TEST(Keys, one_leaves_the_others_as_many_sessions_as_it_takes) {
+    Locked locked;
+    std::vector<Client> olgas;
+    const Error error = refusal([&] {
+        for (;;)
+            olgas.push_back(
+                Client::connect(locked.bridge.address(), {.wait = 0ms, .key_file = locked.observe}));
+    });
+    EXPECT_EQ(error.kind, Error::Kind::refused) << error.what();
+    says(error.what(), "key 'olga' holds 64 sessions of the bridge and leaves 64 of 128");
+    EXPECT_EQ(olgas.size(), 64u);
+    Client carl = connect_to(locked.bridge, locked.control);
+    EXPECT_TRUE(carl.claim().next_report(10s));
+}
+
 TEST(Roles, observe_reads_and_claims_nothing) {
     Locked locked;
     Client client = connect_to(locked.bridge, locked.observe);

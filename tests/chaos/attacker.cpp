@@ -5,6 +5,7 @@
 //   lingering   sends descriptors whose last close takes an hour, and hangs up
 //   waiting     says that it sleeps, for ever, and fills what it sleeps on
 //   springs     holds 16 claims with 1024 springs at the hand each
+//   adding      holds 14 claims, in each of which it adds and removes 256 representations without end
 //   churn       connects, claims, adds, sends a mesh now and then, releases, dies
 
 #include <algorithm>
@@ -97,10 +98,36 @@ void springs(const knurl::Vec3& anchor) {
     while (leaving == 0) {
         for (knurl::Claim& claim : claims) {
             try {
-                claim.add(knurl::Spring{.anchor = anchor, .stiffness = 0.001});
+                claim.add(knurl::Spring{.anchor = anchor, .stiffness = 1e-6});
             } catch (const knurl::Error&) {  // all its places are taken, or the cycle has no time left
             }
             claim.commit();
+        }
+        say_once();
+    }
+}
+
+void adding(const knurl::Vec3& anchor) {
+    auto client = knurl::Client::connect();
+    std::vector<knurl::Claim> claims;
+    for (int i = 0; i < 14; ++i) claims.push_back(client.claim("", {.shared = true, .representations = 256}));
+    std::vector<std::vector<knurl::Handle<knurl::Spring>>> held(claims.size());
+    while (leaving == 0) {
+        for (std::size_t i = 0; i < claims.size(); ++i) {
+            try {
+                while (held[i].size() < 256)
+                    held[i].push_back(claims[i].add(knurl::Spring{.anchor = anchor, .stiffness = 1e-6}));
+            } catch (const knurl::Error&) {  // its channel is full
+            }
+            try {
+                while (!held[i].empty()) {
+                    held[i].back().remove();
+                    held[i].pop_back();
+                }
+            } catch (const knurl::Error&) {  // full, or refused, and so not there
+                if (!held[i].empty()) held[i].pop_back();
+            }
+            claims[i].commit();
         }
         say_once();
     }
@@ -153,6 +180,8 @@ int main(int argc, char** argv) {
                 waiting(socket);
             else if (mode == "springs")
                 springs({0, 0, 0});
+            else if (mode == "adding")
+                adding({0, 0, 0});
             else if (mode == "churn")
                 churn(random);
             else

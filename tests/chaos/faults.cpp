@@ -151,6 +151,9 @@ void filled_sockets(Stage& stage) {
 void too_much_work(Stage& stage) {
     under(stage, "springs", 2, "claims with more springs than a cycle has time for");
 }
+void adding_and_removing(Stage& stage) {
+    under(stage, "adding", 7, "98 claims that add and remove 256 springs each without end");
+}
 void churning_clients(Stage& stage) {
     under(stage, "churn", 16, "16 clients that come, send and go");
 }
@@ -242,6 +245,7 @@ constexpr Fault all[] = {
     {"lingering descriptors", lingering_descriptors},
     {"filled sockets", filled_sockets},
     {"too much work", too_much_work},
+    {"adding and removing", adding_and_removing},
     {"churning clients", churning_clients},
     {"guardian stopped", guardian_stopped},
     {"guardian killed", guardian_killed},

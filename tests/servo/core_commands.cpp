@@ -1,5 +1,6 @@
 // How the servo takes commands: groups whole or not at all, each answered, none lost.
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -211,6 +212,30 @@ TEST(Commands, ACycleDoesABoundedNumberButFinishesTheGroupThatItHasBegun) {
     fixture.claim.end_group();
     fixture.servo.step();
     EXPECT_EQ(fixture.servo.count(Count::commands_done), 4 * protocol::command_cells_per_cycle);
+}
+
+TEST(Commands, ManyClaimsShareWhatACycleTakesAndEachHasItsTurn) {
+    PuppetDevice device;
+    Offline servo(device);
+    constexpr std::size_t claims = 100;
+    constexpr std::uint32_t each = 2000;
+    std::vector<OfflineClaim*> floods;
+    for (std::size_t i = 0; i < claims; ++i) floods.push_back(&servo.claim());
+    servo.step();
+    for (OfflineClaim* flood : floods)
+        for (std::uint32_t i = 0; i < each; ++i) flood->place_probe(1, {});
+    std::vector<std::size_t> answered(claims);
+    std::uint64_t done = servo.count(Count::commands_done);
+    for (int cycle = 1; done < claims * each; ++cycle) {
+        servo.step();
+        const std::uint64_t now = servo.count(Count::commands_done);
+        ASSERT_LE(now - done, protocol::intake_cells_per_cycle + protocol::least_command_cells);
+        ASSERT_GT(now, done);
+        done = now;
+        for (std::size_t i = 0; i < claims; ++i) answered[i] += floods[i]->replies().size();
+        const auto [least, most] = std::minmax_element(answered.begin(), answered.end());
+        ASSERT_LE(*most - *least, 2 * protocol::least_command_cells) << "in cycle " << cycle;
+    }
 }
 
 }  // namespace

@@ -189,6 +189,17 @@ bool Peer::greet(std::span<const std::byte> payload, PeerContext& context) {
             detail::format("the bridge has {} sessions, which is all it takes; end one", max_sessions)));
         return fail("there are too many");
     }
+    // Nobody may hold more than he leaves free, as at the servo.
+    if (key_) {
+        const std::size_t held = context.sessions_of(key_->name), left = max_sessions - context.sessions;
+        if (held >= left) {
+            refuse(Error(Error::Kind::refused,
+                         detail::format("key '{}' holds {} sessions of the bridge and leaves {} of {}, and "
+                                        "nobody may hold more than that; end one",
+                                        key_->name, held, left, max_sessions)));
+            return fail("its key has too many sessions");
+        }
+    }
     auto errand = std::make_shared<GreetErrand>(context.servo, name_, !context.notifier.is_open());
     awaited_.ask(errand, [this, errand = errand.get(), &context] { return welcome(*errand, context); });
     return true;

@@ -2,6 +2,7 @@
 // One session at the servo's end: its connection, role, local client and streams.
 
 #include <array>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -24,6 +25,8 @@ struct PeerContext {
     OutQueue& out;
     ServoErrands& errands;
     std::size_t sessions = 0;  // at present
+    /// Those of them that came with the key of this name.
+    std::function<std::size_t(std::string_view)> sessions_of = {};
 };
 
 class GreetErrand;
@@ -52,6 +55,7 @@ class Peer {
     /// is.
     bool holds_one_of(std::span<const Key> keys) const noexcept;
     bool admitted() const noexcept { return key_.has_value(); }
+    bool has_key(std::string_view name) const noexcept { return key_ && key_->name == name; }
     std::int64_t heard_ns() const noexcept { return heard_ns_; }
     void heard(std::int64_t now) noexcept { heard_ns_ = now; }
 

@@ -72,6 +72,12 @@ Relay::Relay(RelayOptions options)
                .notifier = notifier_,
                .out = out_,
                .errands = errands_} {
+    context_.sessions_of = [this](std::string_view key) {
+        return static_cast<std::size_t>(
+            std::count_if(places_.begin(), places_.end(), [&](const Place& place) {
+                return place.peer && place.peer->identified() && place.peer->has_key(key);
+            }));
+    };
     if (!epoll_) throw std::runtime_error(detail::format("epoll: {}", std::strerror(errno)));
     if (!options_.keys.empty()) tls_ = TlsContext::server(options_.keys);
     watch(listening_.datagrams.get(), EPOLLIN, source(Source::datagrams), EPOLL_CTL_ADD);

@@ -37,8 +37,7 @@ bool Broker::Impl::refuse(const Connection& to, const RequestRefused& why) {
 void Broker::Impl::take_back(std::uint64_t id, Connection::Holding& holding) {
     if (holding.stage == Connection::Stage::free) return;
     if (holding.stage == Connection::Stage::granted) --unmapped;
-    if (const Claim* claim = tables[holding.device]->claim(holding.row))
-        options.deaths.release(id, *claim);
+    if (const Claim* claim = tables[holding.device]->claim(holding.row)) options.deaths.release(id, *claim);
     holding.stage = Connection::Stage::free;
     tables[holding.device]->let_go(holding.row);
 }
@@ -193,11 +192,10 @@ bool Broker::Impl::serve_claim(std::uint64_t id, Connection& connection, const p
 }
 
 void Broker::Impl::release(std::uint64_t id, Connection& connection, const protocol::Release& release) {
-    const auto held = std::find_if(connection.holdings.begin(), connection.holdings.end(),
-                                   [&](const Connection::Holding& h) {
-                                       return h.device == release.device && h.row == release.slot &&
-                                              h.stage != Connection::Stage::free;
-                                   });
+    const auto held = std::find_if(
+        connection.holdings.begin(), connection.holdings.end(), [&](const Connection::Holding& h) {
+            return h.device == release.device && h.row == release.slot && h.stage != Connection::Stage::free;
+        });
     if (held == connection.holdings.end())
         throw RequestRefused("release: this connection does not hold that claim");
     take_back(id, *held);
@@ -302,8 +300,8 @@ void Broker::Impl::require_place(const Peer& peer) const {
     }
     if (left == 0)
         throw RequestRefused::no_place(
-            fmt::format("servo \"{}\" has {} connections, which is all it takes; end one",
-                        options.servo_name, broker_bounds::connections));
+            fmt::format("servo \"{}\" has {} connections, which is all it takes; end one", options.servo_name,
+                        broker_bounds::connections));
     if (may_take(held, peer, left)) return;
     const bool process = held.by_process >= left;
     throw RequestRefused::no_place(fmt::format(

@@ -76,8 +76,8 @@ CommandProcessor::CommandProcessor()
 
 // --------------------------------------------------------------------------------------------- commands
 
-void CommandProcessor::take_commands(Claim::Impl& claim, const Authority& authority,
-                                     Nanoseconds now) noexcept {
+std::uint32_t CommandProcessor::take_commands(Claim::Impl& claim, const Authority& authority,
+                                              std::uint32_t most, Nanoseconds now) noexcept {
     shm::SpscConsumer& commands = claim.channels->commands;
     available_ = commands.available();
     copied_ = 0;
@@ -86,10 +86,9 @@ void CommandProcessor::take_commands(Claim::Impl& claim, const Authority& author
         if (input_log != nullptr) input_log->put(InputType::commands_broken, {as_bytes(claim.number)});
     }
     claim.commands_left = available_ > 0;
-    if (available_ == 0) return;
+    if (available_ == 0) return 0;
 
-    const std::uint32_t budget =
-        claim.from_the_start ? protocol::max_command_cells : protocol::command_cells_per_cycle;
+    const std::uint32_t budget = claim.from_the_start ? protocol::max_command_cells : most;
     std::uint32_t done = 0;
     bool nonsense = false;
     while (done < available_ && done < budget) {
@@ -121,6 +120,7 @@ void CommandProcessor::take_commands(Claim::Impl& claim, const Authority& author
     if (done > 0) claim.silence.sign_of_life(now);
     commands.pop(done);
     claim.commands_left = done < available_;
+    return done;
 }
 
 /// Copies the first `cells` cells of the ring into private memory. Each cell is copied once, since its owner

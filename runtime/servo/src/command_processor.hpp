@@ -47,12 +47,13 @@ class CommandProcessor {
   public:
     CommandProcessor();
 
-    /// Executes the waiting groups of commands whose replies fit, up to command_cells_per_cycle cells.
-    /// (Offline: all groups that were there before the first cycle.) A group is executed or refused as a
-    /// whole, in one cycle.
-    void take_commands(Claim::Impl& claim, const Authority& authority, Nanoseconds now) noexcept;
-    /// Takes the newest batch, unless it was committed after commands that still wait.
-    void take_batch(Claim::Impl& claim, std::uint64_t cycle, Nanoseconds now) noexcept;
+    /// Executes the waiting groups of commands whose replies fit, up to so many cells. (Offline: all groups
+    /// that were there before the first cycle.) A group is executed or refused as a whole, in one cycle.
+    /// Returns the number of cells.
+    std::uint32_t take_commands(Claim::Impl& claim, const Authority& authority, std::uint32_t most,
+                                Nanoseconds now) noexcept;
+    /// Takes the newest batch, unless it was committed after commands that still wait. Returns its cells.
+    std::uint32_t take_batch(Claim::Impl& claim, std::uint64_t cycle, Nanoseconds now) noexcept;
 
     const CommandCounts& counts() const noexcept { return counts_; }
 

@@ -8,20 +8,22 @@ namespace knurl::servo {
 
 using Code = Verdict::Code;
 
-void CommandProcessor::take_batch(Claim::Impl& claim, std::uint64_t cycle, Nanoseconds now) noexcept {
+std::uint32_t CommandProcessor::take_batch(Claim::Impl& claim, std::uint64_t cycle,
+                                           Nanoseconds now) noexcept {
     shm::TripleReader& batches = claim.channels->batches;
     if (!batches.take(claim.commands_done)) {
         if (batches.corrupt()) {
             claim.fault();
             if (input_log != nullptr) input_log->put(InputType::batch_broken, {as_bytes(claim.number)});
         }
-        return;
+        return 0;
     }
     protocol::BatchHeader header;
     batches.copy(&header, 0, sizeof header);
     const bool fits = header.bytes % 8 == 0 && header.bytes <= claim.terms.capacity.batch_bytes &&
                       header.bytes <= entries_.size();
     if (fits) batches.copy(entries_.data(), sizeof header, header.bytes);
+    const auto cells = static_cast<std::uint32_t>(fits ? header.bytes / shm::cell_bytes + 1 : 1);
 
     if (input_log != nullptr)
         input_log->put(InputType::batch, {as_bytes(claim.number), as_bytes(header),
@@ -49,7 +51,7 @@ void CommandProcessor::take_batch(Claim::Impl& claim, std::uint64_t cycle, Nanos
                          .verdict = verdict,
                          .kind = bad_kind_,
                          .slot = bad_slot_};
-        return;
+        return cells;
     }
     apply_entries(claim, header);
     claim.in_force = {.sequence = header.sequence,
@@ -57,6 +59,7 @@ void CommandProcessor::take_batch(Claim::Impl& claim, std::uint64_t cycle, Nanos
                       .report_cycle = header.report_cycle,
                       .commit_ns = header.commit_ns};
     claim.batch_is_new = true;
+    return cells;
 }
 
 namespace {

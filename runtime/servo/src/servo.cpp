@@ -205,16 +205,27 @@ void Servo::Impl::take_changes(Nanoseconds now) noexcept {
     constexpr std::uint64_t shed_every = 16;  // cycles
     const auto heard_now = [&](const Claim::Impl& c) { return !c.shed || report.cycle % shed_every == 0; };
     // Two passes: cache lines that other cores wrote are fetched in parallel, not one after the other.
-    for (const std::size_t place : claims.awake())
+    const auto awake = claims.awake();
+    for (const std::size_t place : awake)
         if (const Claim::Impl& c = claims[place]; listening(c)) c.channels->batches.prefetch();
+    Intake intake(awake.size());
+    const std::size_t first = std::exchange(first_taken, 0);
+    bool somebody_waits = false;
     Nanoseconds taken = load.looks() ? clock.now() : 0;
-    for (const std::size_t place : claims.awake()) {
+    for (std::size_t turn = 0; turn < awake.size(); ++turn) {
+        const std::size_t at = (first + turn) % awake.size();
+        const std::size_t place = awake[at];
         Claim::Impl& c = claims[place];
         if (c.forgotten != 0) return_assets(claims.claim(place));
         c.batch_is_new = false;
         if (!listening(c) || !heard_now(c)) continue;
-        command_processor.take_commands(c, authority, now);
-        if (!c.faulted) command_processor.take_batch(c, report.cycle, now);
+        if (intake.is_full() && !c.from_the_start) {
+            if (!std::exchange(somebody_waits, true)) first_taken = at;
+            c.commands_left = true;  // perhaps: it stays awake
+            continue;
+        }
+        intake.add(command_processor.take_commands(c, authority, intake.share(), now));
+        if (!c.faulted) intake.add(command_processor.take_batch(c, report.cycle, now));
         if (c.batch_is_new) c.scene.set_fade(fade_for(c));
         // Scenes from before the first cycle start in full force.
         if (c.from_the_start) c.scene.settle();

@@ -1,6 +1,7 @@
 #pragma once
 // What a servo consists of, and the parts of its cycle.
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 
@@ -26,6 +27,22 @@ struct Message {
     const Asset* asset = nullptr;
     std::uint32_t number = 0;           // of the asset
     protocol::AssetDigest digest = {};  // of its source
+};
+
+/// How much of what claims send a cycle still takes.
+class Intake {
+  public:
+    explicit Intake(std::size_t claims) noexcept
+        : share_(std::clamp(
+              protocol::intake_cells_per_cycle / static_cast<std::uint32_t>(std::max(claims, std::size_t{1})),
+              protocol::least_command_cells, protocol::command_cells_per_cycle)) {}
+    /// Most cells of commands of one claim.
+    std::uint32_t share() const noexcept { return share_; }
+    void add(std::uint32_t cells) noexcept { cells_ += cells; }
+    bool is_full() const noexcept { return cells_ >= protocol::intake_cells_per_cycle; }
+
+  private:
+    std::uint32_t share_, cells_ = 0;
 };
 
 /// The parts of the cycle, in the order in which `step` calls them, and their state.
@@ -73,7 +90,7 @@ struct Servo::Impl {
     void state(Visit& visit) noexcept {
         visit(first, last_now, budget, enabled, guardian, unplugged, ending, late, report.cycle,
               report.buttons, report.flags, report.presses, report.touches, claims_seen, tip, supervisor,
-              stopping);
+              stopping, first_taken);
     }
 
     void adopt(Claim* claim, Nanoseconds now) noexcept;
@@ -100,7 +117,8 @@ struct Servo::Impl {
     ClaimSet claims;
     // The hand in the last cycle whose scenes were evaluated; a scene that wakes gets it.
     Probe passed_hand;
-    bool hand_usable = false;                  // time passes, and the hand's position is known
+    std::size_t first_taken = 0;  // place among those awake of who has the first turn to be taken from
+    bool hand_usable = false;     // time passes, and the hand's position is known
     Mailbox<Message, mailbox_slots> inbox;     // broker -> servo
     Mailbox<Claim*, mailbox_slots> abandoned;  // death watch -> servo
     Mailbox<Claim*, mailbox_slots> outbox;     // servo -> broker

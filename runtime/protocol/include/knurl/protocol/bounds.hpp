@@ -37,6 +37,11 @@ inline constexpr std::uint32_t reply_cells = 2048;
 /// Most cells of one claim that a cycle takes. A group that has begun is finished, and the rest waits for the
 /// next cycle.
 inline constexpr std::uint32_t command_cells_per_cycle = 512;
+/// Cells of all claims together that a cycle takes, batches included (64 B of a batch are one). The claim that
+/// reaches it is finished; the next ones have the first turn in the next cycle.
+inline constexpr std::uint32_t intake_cells_per_cycle = 1024;
+/// Least share of that of one claim, whatever the number of claims.
+inline constexpr std::uint32_t least_command_cells = 32;
 /// Most time by which commits may come late on their way (s).
 inline constexpr double max_delay_allowance = 1.0;
 /// Bytes of the names of servos, devices and clients, with the zero.
