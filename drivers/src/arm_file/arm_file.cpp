@@ -12,6 +12,8 @@
 #include <Eigen/LU>
 #include <Eigen/SVD>
 
+#include <knurl/words/toml.hpp>
+
 #include "arm_file/reader.hpp"
 
 namespace knurl::drivers {
@@ -260,16 +262,7 @@ std::size_t ArmFile::actuated() const {
 }
 
 ArmFile parse_arm(std::string_view text, const std::string& name) {
-    toml::table table;
-    try {
-        table = toml::parse(text, name);
-    } catch (const toml::parse_error& error) {
-        const toml::source_position at = error.source().begin;
-        std::string what(error.description());
-        std::replace(what.begin(), what.end(), '\n', ' ');  // the message quotes the file, with line ends
-        throw std::runtime_error(name + ":" + std::to_string(at.line) + ":" + std::to_string(at.column) +
-                                 ": " + what);
-    }
+    const toml::table table = words::parse_toml(text, name);
     ArmFile arm;
     arm.path = name;
     ArmTable root(arm, table, "an arm",

@@ -5,11 +5,11 @@
 #include <sstream>
 
 #include <fmt/format.h>
-#include <toml++/toml.h>
 
 #include <knurl/protocol/name.hpp>
 #include <knurl/servo/config.hpp>
 #include <knurl/words/nearest.hpp>
+#include <knurl/words/toml.hpp>
 
 namespace knurl::servo {
 
@@ -247,12 +247,9 @@ DeviceConfig parse_device_argument(std::string_view argument) {
 
 DaemonConfig parse_config(std::string_view text, const std::string& path) {
     try {
-        return read_daemon(toml::parse(text, path), path);
-    } catch (const toml::parse_error& error) {
-        const auto& begin = error.source().begin;
-        std::string what(error.description());
-        std::replace(what.begin(), what.end(), '\n', ' ');  // the message quotes the file, with line ends
-        throw ConfigError(fmt::format("{}:{}:{}: {}", path, begin.line, begin.column, what));
+        return read_daemon(words::parse_toml(text, path), path);
+    } catch (const words::TomlError& error) {
+        throw ConfigError(error.what());
     }
 }
 
