@@ -97,7 +97,10 @@ LatencyFile read_latency_file(const std::string& path) {
         throw std::runtime_error(
             fmt::format("{}: cannot be read: {}; give a file that knurl latency --json wrote", path,
                         std::strerror(errno)));
-    const std::string text{std::istreambuf_iterator<char>(file), {}};
+    return parse_latency_file({std::istreambuf_iterator<char>(file), {}}, path);
+}
+
+LatencyFile parse_latency_file(const std::string& text, const std::string& path) {
     const auto foreign = [&path](const std::string& why) {
         return std::runtime_error(fmt::format(
             "{}: is not what knurl latency --json writes ({}); measure with --json FILE, and give that file",

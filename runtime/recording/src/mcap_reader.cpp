@@ -2,6 +2,8 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
+#include <utility>
 
 #include <fmt/format.h>
 #include <zstd.h>
@@ -56,14 +58,28 @@ class Parts {
     std::span<const std::byte> rest_;
 };
 
+std::unique_ptr<std::istream> opened(const std::string& path) {
+    auto file = std::make_unique<std::ifstream>(path, std::ios::binary);
+    if (!*file) throw std::runtime_error(fmt::format("{}: cannot be read: {}", path, std::strerror(errno)));
+    return file;
+}
+
+/// 0: it is no file with a size.
+std::uint64_t size_of(const std::string& path) {
+    std::error_code failed;
+    const std::uintmax_t bytes = std::filesystem::file_size(path, failed);
+    return failed ? 0 : bytes;
+}
+
 }  // namespace
 
-McapReader::McapReader(const std::string& path) : path_(path), file_(path, std::ios::binary) {
-    if (!file_) throw std::runtime_error(fmt::format("{}: cannot be read: {}", path, std::strerror(errno)));
-    std::error_code failed;
-    size_ = std::filesystem::file_size(path, failed);
+McapReader::McapReader(const std::string& path) : McapReader(opened(path), size_of(path), path) {}
+
+McapReader::McapReader(std::unique_ptr<std::istream> file, std::uint64_t bytes, const std::string& path)
+    : path_(path), file_(std::move(file)), size_(bytes) {
     char begin[magic.size()] = {};
-    if (failed || !file_.read(begin, sizeof begin) || std::string_view(begin, sizeof begin) != magic)
+    if (size_ < sizeof begin || !file_->read(begin, sizeof begin) ||
+        std::string_view(begin, sizeof begin) != magic)
         fail("is no MCAP file; give one that knurl record made");
     at_ = sizeof begin;
     crc_ = crc_of(magic);
@@ -120,7 +136,7 @@ bool McapReader::read_record() {
         ended_ = true;
         return false;
     };
-    if (size_ - at_ < sizeof head || !file_.read(reinterpret_cast<char*>(head), sizeof head)) return cut();
+    if (size_ - at_ < sizeof head || !file_->read(reinterpret_cast<char*>(head), sizeof head)) return cut();
     Parts parts(head);
     const auto op = static_cast<Op>(parts.take<std::uint8_t>());
     const auto length = parts.take<std::uint64_t>();
@@ -128,7 +144,7 @@ bool McapReader::read_record() {
     if (length > (op == Op::attachment ? largest_attachment : largest_record))
         fail(fmt::format("the record at byte {} is too long to be one of ours", at_));
     record_.resize(length);
-    if (!file_.read(reinterpret_cast<char*>(record_.data()), static_cast<std::streamsize>(length)))
+    if (!file_->read(reinterpret_cast<char*>(record_.data()), static_cast<std::streamsize>(length)))
         return cut();
 
     const std::uint32_t crc_before = crc_;
@@ -199,10 +215,10 @@ std::optional<std::vector<std::byte>> McapReader::attachment(const std::string& 
     const auto found = attachments_.find(name);
     if (found == attachments_.end()) return std::nullopt;
     std::vector<std::byte> bytes(found->second.bytes);
-    const auto back = file_.tellg();
-    if (!file_.seekg(static_cast<std::streamoff>(found->second.at)) ||
-        !file_.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size())) ||
-        !file_.seekg(back))
+    const auto back = file_->tellg();
+    if (!file_->seekg(static_cast<std::streamoff>(found->second.at)) ||
+        !file_->read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size())) ||
+        !file_->seekg(back))
         fail("cannot be read: " + std::string(std::strerror(errno)));
     return bytes;
 }

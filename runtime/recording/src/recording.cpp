@@ -2,6 +2,7 @@
 #include <array>
 #include <charconv>
 #include <cstring>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -242,7 +243,8 @@ bool RecordingWriter::finish() {
     return whole && file_.finish();
 }
 
-RecordingReader::RecordingReader(const std::string& path) : path_(path), file_(path) {
+RecordingReader::RecordingReader(McapReader file, const std::string& path)
+    : path_(path), file_(std::move(file)) {
     const McapMetadata* metadata = file_.metadata(metadata_name);
     if (metadata == nullptr)
         throw std::runtime_error(
