@@ -38,6 +38,18 @@ TEST(TomlText, WhatTomlPlusPlusDoesNotBearIsRefusedInOneLine) {
         {"[[\n", "f.toml:1:3: the line ends where the name "},
         {"[\r\n", "f.toml:1:2: the line ends where the name "},
         {"a = [[1],\n[2]]\n\t[ +a]", "f.toml:3:4: '+' stands where the name "},
+        {"[\x7f", "f.toml:1:2: the control character U+007F "},
+        {"a = [}", "f.toml:1:6: '}' stands in an array, which ] closes; write ]"},
+        {"a = [1, [2], # {\n}", "f.toml:2:1: '}' stands in an array"},
+        {"a = { b = [1, {c = ']'}] ]", "f.toml:1:26: ']' stands in an inline table, which } closes; write }"},
+        {"a = [0ff:!\"\uFFBE\n", "f.toml:1:11: \" stands within a word; put all of the word in quotes"},
+        {"a = 1.'é'", "f.toml:1:7: ' stands within a word"},
+        {"a = [1.'é'", "f.toml:1:8: ' stands within a word"},
+        {"a = {b = 1.'é'", "f.toml:1:12: ' stands within a word"},
+        {"a = [0ff:[\"\uFFB7\n", "f.toml:1:10: [ stands within a word"},
+        {"a = 1{é", "f.toml:1:6: { stands within a word"},
+        {"a = 1978-05-27T$7:32:00z",
+         "f.toml:1:16: a time should begin here, behind its date; write 07:32:00"},
         {"é = 1\n",
          "f.toml:1:1: the character U+00E9 stands outside quotes and comments, where only ASCII may; "
          "put the word in quotes (' or \")"},
@@ -89,6 +101,10 @@ TEST(TomlText, ValidTomlIsRead) {
         "\t[ a . 'é' ]\r\n"
         "[[ \"c\" . b ]]\n"
         "[[1-2_x]]\n"
+        "x.'é'.\"y\" = {'é' = 1.5, a.'ü' = [1e3, 'b'], c='d'}\n"
+        "times = [1979-05-27, 1979-05-27 , 1979-05-27T07:32:00Z, 1979-05-27 07:32:00]\n"
+        "day = 1979-05-27 # a day\n"
+        "1979-05-27Tx = [{1979-05-27T- = 1}]\n"
         "\\u = 1\n";
     // Up to the last line, which is wrong and shows that the scan has followed to there.
     EXPECT_EQ(toml_fault(text), std::nullopt);

@@ -4,8 +4,10 @@
 /// TOML as Knurl reads it: the one place that calls toml++. A source that includes this links toml++.
 ///
 /// toml++ 3.3 asserts, or goes on into undefined behaviour, on a table header that begins with no name
-/// (`[[` and a NUL, `[=]`) and on characters beyond ASCII outside quotes and comments. So what no TOML may
-/// contain is refused here, before it.
+/// (`[[` and a NUL, `[=]`), on `}` where an array wants a value, on a date whose time begins with no digit, and
+/// on characters beyond ASCII outside quotes and comments, or in what it does not take for quotes (`1"x"`,
+/// `1["x"`). So
+/// what no TOML may contain is refused here, before it.
 
 #include <algorithm>
 #include <cstddef>
@@ -107,9 +109,11 @@ class TomlScan {
 
     void token() {
         const bool first = std::exchange(begins_line_, false);
+        const char before = std::exchange(before_, front());
         switch (front()) {
             case '\n':
-                begins_line_ = depth_ == 0;
+                begins_line_ = open_.empty();
+                if (begins_line_) value_ = false;
                 return pass();
             case ' ':
             case '\t':
@@ -121,23 +125,82 @@ class TomlScan {
                 return;
             case '"':
             case '\'':
-                return quoted();
+                return may_begin(before) ? quoted() : within_a_word();
             case '[':
                 if (first) return header();
-                [[fallthrough]];
+                return may_begin(before) ? open() : within_a_word();
             case '{':
-                ++depth_;
+                return may_begin(before) ? open() : within_a_word();
+            case '=':
+                value_ = true;
+                return pass();
+            case ',':
+                if (open_.ends_with('{')) value_ = false;
                 return pass();
             case ']':
             case '}':
-                depth_ -= depth_ > 0 ? 1 : 0;
-                return pass();
+                return close();
             default:
                 return bare();
         }
     }
 
+    /// An array or an inline table; or a table header, which is not counted as open.
+    void close() {
+        if (!open_.empty()) {
+            const bool array = open_.back() == '[';
+            if (array != (front() == ']'))
+                return fail(array ? "'}' stands in an array, which ] closes; write ]"
+                                  : "']' stands in an inline table, which } closes; write }");
+            open_.pop_back();
+            value_ = true;
+        }
+        pass();
+    }
+
+    void open() {
+        open_ += front();
+        value_ = false;
+        pass();
+    }
+
+    void within_a_word() {
+        std::string what(1, front());
+        what += " stands within a word; put all of the word in quotes";
+        fail(std::move(what));
+    }
+
+    /// A key or a value may begin behind that character.
+    bool may_begin(char before) const {
+        if (before == '.') return !value_ && !open_.ends_with('[');  // a key of several parts
+        return before == 0 || std::string_view(" \t\r\n=,[{").find(before) != std::string_view::npos;
+    }
+
+    /// The characters from here on, by their kinds: 0 is any digit.
+    bool has_form(std::string_view form) const {
+        if (text_.size() - at_ < form.size()) return false;
+        for (std::size_t i = 0; i < form.size(); ++i) {
+            const bool digit = text_[at_ + i] >= '0' && text_[at_ + i] <= '9';
+            if (form[i] == '0' ? !digit : form[i] != text_[at_ + i]) return false;
+        }
+        return true;
+    }
+
+    /// A date and a T, behind which no digit stands. (As a key it may be.)
+    bool has_wrong_time() const {
+        constexpr std::size_t date = 10;
+        if (!value_ && !open_.ends_with('[')) return false;
+        if (!has_form("0000-00-00T") && !has_form("0000-00-00t")) return false;
+        if (text_.size() - at_ == date + 1) return false;
+        const char next = text_[at_ + date + 1];
+        return next < '0' || next > '9';
+    }
+
     void bare() {
+        if (has_wrong_time()) {
+            pass(11);
+            return fail("a time should begin here, behind its date; write 07:32:00");
+        }
         if (byte(0) < 0x80) return pass();
         if (length() == 0) return pass();  // says so
         fail("the character U+" + hexadecimal(code_point(), 4) +
@@ -188,16 +251,18 @@ class TomlScan {
         if ((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
             std::string_view("_-\"'").find(c) != std::string_view::npos)
             return;
-        if (static_cast<unsigned char>(c) < ' ' && c != '\n' && c != '\r') return pass();  // says so
         const bool line_ends = c == '\n' || c == '\r';
+        if ((static_cast<unsigned char>(c) < ' ' || c == 0x7F) && !line_ends) return pass();  // says so
         fail((line_ends ? std::string("the line ends") : "'" + std::string(1, c) + "' stands") +
              " where the name of a table should begin; write [name] or [[name]]");
     }
 
     std::string_view text_;
     std::size_t at_ = 0, line_ = 1, column_ = 1;
-    std::size_t depth_ = 0;    // of arrays and inline tables
+    std::string open_;         // arrays and inline tables
     bool begins_line_ = true;  // outside those: a [ here begins a table header
+    bool value_ = false;       // behind a = : what is here is no key, unless in an inline table
+    char before_ = 0;          // the character, or the quote, before this one
     std::optional<TomlFault> fault_;
 };
 
