@@ -12,6 +12,7 @@
 #include <Eigen/LU>
 #include <Eigen/SVD>
 
+#include <knurl/drivers/serial_chain.hpp>
 #include <knurl/words/toml.hpp>
 
 #include "arm_file/reader.hpp"
@@ -283,6 +284,12 @@ ArmFile parse_arm(std::string_view text, const std::string& name) {
     read_axes(arm, root);
     read_coupling(arm, root);
     read_frames(arm, root);
+    // What the chain refuses is said with its place in the file. It judges a coupling by its determinant.
+    try {
+        const SerialChain chain(arm.table);
+    } catch (const std::runtime_error& error) {
+        root.fail("coupling", error.what());
+    }
     read_workspace(arm, root);
     read_figures(arm, root);
     return arm;

@@ -9,6 +9,7 @@
 #include <zstd.h>
 
 #include <knurl/recording/mcap.hpp>
+#include <knurl/words/printable.hpp>
 
 #include "mcap_parts.hpp"
 
@@ -92,7 +93,7 @@ McapReader::McapReader(std::unique_ptr<std::istream> file, std::uint64_t bytes, 
 }
 
 void McapReader::fail(const std::string& what) const {
-    throw std::runtime_error(path_ + ": " + what);
+    throw std::runtime_error(path_ + ": " + words::printable(what, 300));
 }
 
 const McapMetadata* McapReader::metadata(const std::string& name) const {
@@ -232,7 +233,12 @@ void McapReader::open_chunk(std::span<const std::byte> content) {
     const std::string compression = parts.text();
     const auto packed = parts.bytes(parts.take<std::uint64_t>());
     if (plain > largest_record) throw TooShort();
-    chunk_.resize(plain);
+    // Before memory is taken for what a changed length claims.
+    if (compression == "zstd") {
+        const unsigned long long stated = ZSTD_getFrameContentSize(packed.data(), packed.size());
+        if (stated != ZSTD_CONTENTSIZE_UNKNOWN && stated != plain) throw TooShort();
+    }
+    chunk_.resize(compression == "zstd" || packed.size() == plain ? plain : 0);
     next_ = 0;
     if (compression == "zstd") {
         const std::size_t n = ZSTD_decompress(chunk_.data(), chunk_.size(), packed.data(), packed.size());

@@ -12,12 +12,15 @@
 #include <knurl/recording/recording.hpp>
 #include <knurl/recording/salvage.hpp>
 #include <knurl/servo/flight_recorder.hpp>
+#include <knurl/words/printable.hpp>
 
 namespace knurl::recording {
 
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::size_t longest_heading = 256;  // bytes
 
 std::string newest_in(const std::string& directory) {
     std::string newest;
@@ -75,6 +78,9 @@ FlightRecord read_flight_record(std::istream& text, const std::string& path) {
         if (line.starts_with("# device:")) words_of(line) >> info.device >> info.address >> info.options.rate;
         if (line.starts_with("# cause: ")) info.cause = line.substr(line.find(':') + 2);
     }
+    // Programs print them, and a file may hold any character.
+    for (std::string* said : {&info.version, &info.servo, &info.device, &info.address, &info.cause})
+        *said = words::printable(*said, longest_heading);
     if (info.device.empty() || line != servo::report_columns)
         fail(
             "is no flight record of this version; give what the guardian saved, "
