@@ -10,6 +10,8 @@
 
 #include <fmt/format.h>
 
+#include <knurl/words/printable.hpp>
+
 namespace knurl::cli {
 
 namespace {
@@ -31,11 +33,17 @@ measure::Measured measured(const measure::Run& run, const Result& result, bool w
     return made;
 }
 
+/// A word of a file, in which any character may stand.
+std::string shown(const std::string& word) {
+    constexpr std::size_t longest = 200;
+    return words::printable(word, longest);
+}
+
 std::vector<std::string> warnings(const LatencyFile& before, const LatencyFile& now) {
     std::vector<std::string> all;
     const measure::Machine &old_machine = before.run.machine, &machine = now.run.machine;
     const auto differ = [&](const char* what, const std::string& was, const std::string& is) {
-        if (was != is) all.push_back(fmt::format("{} was {}, is {}", what, was, is));
+        if (was != is) all.push_back(fmt::format("{} was {}, is {}", what, shown(was), shown(is)));
     };
     differ("the machine's processor", old_machine.processor, machine.processor);
     differ("the number of CPUs", std::to_string(old_machine.cpus), std::to_string(machine.cpus));
@@ -97,11 +105,14 @@ LatencyFile read_latency_file(const std::string& path) {
         throw std::runtime_error(
             fmt::format("{}: cannot be read: {}; give a file that knurl latency --json wrote", path,
                         std::strerror(errno)));
-    const std::string text{std::istreambuf_iterator<char>(file), {}};
+    return parse_latency_file({std::istreambuf_iterator<char>(file), {}}, path);
+}
+
+LatencyFile parse_latency_file(const std::string& text, const std::string& path) {
     const auto foreign = [&path](const std::string& why) {
         return std::runtime_error(fmt::format(
             "{}: is not what knurl latency --json writes ({}); measure with --json FILE, and give that file",
-            path, why));
+            path, words::printable(why, 200)));
     };
     knurl::Json all;
     try {
@@ -116,7 +127,7 @@ LatencyFile read_latency_file(const std::string& path) {
     if (version != LatencyFile::version)
         throw std::runtime_error(fmt::format(
             "{}: has version {} of the format, this program reads {}; measure again with this one", path,
-            version.dump(), LatencyFile::version));
+            words::printable(version.dump(), 40), LatencyFile::version));
     try {
         LatencyFile read{.run = measure::from_json(text), .setting = {}};
         if (!all.contains("setting") || !all["setting"].is_object())
@@ -187,7 +198,7 @@ std::string to_text(const LatencyComparison& comparison) {
         "steady machine at most one has any. The machine's floors moved by up to {:.2f} at the median, "
         "{:.2f} at 99 %. A difference that is no larger, or no larger than between the stretches of either "
         "run, may be the machine. Where the floors moved more than {:g} times there is no verdict:\n",
-        comparison.date, comparison.confidence * 100, comparison.moved, comparison.moved_tail,
+        shown(comparison.date), comparison.confidence * 100, comparison.moved, comparison.moved_tail,
         measure::most_moved);
     for (const std::string& warning : comparison.warnings)
         text += fmt::format("not alike: {}; this may cause the difference\n", warning);
@@ -195,8 +206,8 @@ std::string to_text(const LatencyComparison& comparison) {
                         "verdict");
     for (const PathComparison& path : comparison.paths) {
         const measure::Comparison& r = path.result;
-        text += fmt::format("{:<34} {:>4} {:>8} {:>8}  ", path.name, fmt::format("p{:g}", path.q * 100),
-                            number(path.before), number(path.now));
+        text += fmt::format("{:<34} {:>4} {:>8} {:>8}  ", shown(path.name),
+                            fmt::format("p{:g}", path.q * 100), number(path.before), number(path.now));
         if (!r.problem.empty())
             text += fmt::format("{:<24} undecided: {}\n", "-", r.problem);
         else
@@ -204,7 +215,7 @@ std::string to_text(const LatencyComparison& comparison) {
                 "{:<24} {}{}\n",
                 fmt::format("{:.2f} ({:.2f} to {:.2f})", r.ratio, r.interval.low, r.interval.high),
                 is_floor(path.name) ? "the machine" : measure::name_of(r.verdict),
-                path.reference ? ", beside " + *path.reference : "");
+                path.reference ? ", beside " + shown(*path.reference) : "");
     }
     return text +
            "What has a floor is compared as a multiple of that floor's median; floor.* is the machine, and "

@@ -22,6 +22,8 @@ struct LatencyFile {
 
 /// Throws std::runtime_error with the remedy: unreadable, not such a file, or of another version.
 LatencyFile read_latency_file(const std::string& path);
+/// The same from its text; `path` begins its errors.
+LatencyFile parse_latency_file(const std::string& text, const std::string& path);
 
 /// One result in both runs at the percentile q. A result with a floor is compared as a multiple of it.
 struct PathComparison {

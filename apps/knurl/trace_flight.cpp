@@ -85,6 +85,10 @@ void take_heading(const std::string& line, Timeline& timeline) {
 Timeline read_flight_record(const std::string& path, bool& cut) {
     std::ifstream file(path, std::ios::binary);
     if (!file) throw std::runtime_error(fmt::format("{}: cannot be read: {}", path, std::strerror(errno)));
+    return read_flight_record(file, path, cut);
+}
+
+Timeline read_flight_record(std::istream& file, const std::string& path, bool& cut) {
     const auto wrong = [&path](std::size_t line, const std::string& what) {
         return std::runtime_error(fmt::format("{}:{}: {}", path, line, what));
     };
@@ -116,7 +120,7 @@ Timeline read_flight_record(const std::string& path, bool& cut) {
         } catch (const std::runtime_error& error) {
             throw wrong(number, error.what());
         }
-        if (file.peek() != std::ifstream::traits_type::eof()) throw wrong(number, "this is no report");
+        if (file.peek() != std::istream::traits_type::eof()) throw wrong(number, "this is no report");
         cut = true;
     }
     if (timeline.reports.empty()) throw wrong(1, "there is no report in it");

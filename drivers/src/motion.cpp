@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include <knurl/drivers/motion.hpp>
+#include <knurl/words/printable.hpp>
 
 #include "rotation_vector.hpp"
 
@@ -18,6 +19,16 @@ namespace knurl::drivers {
 namespace {
 
 constexpr std::array<std::string_view, 8> column_names = {"t", "x", "y", "z", "qw", "qx", "qy", "qz"};
+
+// Beyond these, differences of rows and speeds between them would not be finite.
+constexpr double farthest_place = 1e6, latest_time = 1e9;  // m, s
+constexpr double least_step = 1e-9;                        // s: the servo's clock
+constexpr double shortest_quaternion = 1e-6, longest_quaternion = 1e6;
+
+bool has_length(const Eigen::Quaterniond& orientation) {
+    const double length = orientation.norm();
+    return length > shortest_quaternion && length < longest_quaternion;
+}
 
 std::string_view trimmed(std::string_view text) {
     constexpr std::string_view space = " \t\r";
@@ -66,13 +77,16 @@ Motion::Motion(std::vector<MotionRow> rows, bool has_orientation)
         if (!std::isfinite(row.t) || !row.position.allFinite() || !row.orientation.coeffs().allFinite()) {
             throw std::runtime_error(where + " holds a number that is not finite");
         }
-        if (i > 0 && !(row.t > rows_[i - 1].t)) {
+        if (std::abs(row.t) > latest_time || row.position.lpNorm<Eigen::Infinity>() > farthest_place) {
+            throw std::runtime_error(where + " is beyond 1e6 m or 1e9 s");
+        }
+        if (i > 0 && !(row.t - rows_[i - 1].t >= least_step)) {
             throw std::runtime_error(where + ": its time is not after the row before");
         }
-        const double length = row.orientation.norm();
-        if (!(length > 1e-6)) {
-            throw std::runtime_error(where + ": the quaternion has no length");
+        if (!has_length(row.orientation)) {
+            throw std::runtime_error(where + ": the length of the quaternion is not 1e-6 to 1e6");
         }
+        const double length = row.orientation.norm();
         if (std::abs(length - 1) > 1e-15) {
             row.orientation.coeffs() /= length;
         }
@@ -143,18 +157,28 @@ MotionRow parse_row(const std::vector<std::string_view>& fields, const std::vect
     std::array<double, 8> values = {0, 0, 0, 0, 1, 0, 0, 0};
     for (std::size_t i = 0; i < fields.size(); ++i) {
         const std::string column = where + "column " + std::to_string(i + 1) + " (" +
-                                   std::string(column_names[i]) + "): \"" + std::string(fields[i]) + "\" ";
+                                   std::string(column_names[i]) + "): \"" + words::printable(fields[i], 40) +
+                                   "\" ";
         if (!parse_number(fields[i], values[i]))
             throw std::runtime_error(column + "is not a number; write seconds and metres, such as 0.25");
         if (!std::isfinite(values[i]))
             throw std::runtime_error(column + "is not finite; leave the row out or interpolate it");
+        if (i < 4 && std::abs(values[i]) > (i == 0 ? latest_time : farthest_place))
+            throw std::runtime_error(column + (i == 0 ? "is beyond 1e9 s; let the times begin at 0"
+                                                      : "is beyond 1e6 m; write metres"));
         if (i == 0 && !before.empty() && !(values[0] > before.back().t))
             throw std::runtime_error(column +
                                      "is not after the row before; sort the rows by time, each once");
+        if (i == 0 && !before.empty() && !(values[0] - before.back().t >= least_step))
+            throw std::runtime_error(column +
+                                     "is less than 1 ns after the row before; leave one of them out");
     }
     const Eigen::Quaterniond orientation(values[4], values[5], values[6], values[7]);
-    if (!(orientation.norm() > 1e-6))
+    if (!(orientation.norm() > shortest_quaternion))
         throw std::runtime_error(where + "column 5 (qw): the quaternion has no length; no turn is 1,0,0,0");
+    if (!has_length(orientation))
+        throw std::runtime_error(where +
+                                 "column 5 (qw): the quaternion is longer than 1e6; divide it by its length");
     return {.t = values[0], .position = {values[1], values[2], values[3]}, .orientation = orientation};
 }
 

@@ -3,11 +3,12 @@
 #                   a seed, alterations of them (tests/fuzz/replay.cpp)
 #   knurl_fuzz_X    libFuzzer with ASan and UBSan, by Clang whatever the rest is built with; a part of the target knurl_fuzzers.
 #                   fuzz.X.long, of scripts/test --long, runs it for a minute, and leaves what breaks it beside it as crash-*.
-#                   For longer, in build/release/tests/bridge/fuzz: ./knurl_fuzz_framing -max_total_time=600 work/ corpus_framing
+#                   For longer: scripts/fuzz --seconds 3600 --target X
 # The kept inputs of a target are one text file (scripts/corpus), which the build unpacks.
 find_program(KNURL_CLANG clang++-14)
 if(NOT TARGET knurl_fuzzers)
     add_custom_target(knurl_fuzzers)
+    file(REMOVE_RECURSE ${PROJECT_BINARY_DIR}/fuzzers)
     if(KNURL_BUILD_TESTS)
         add_library(knurl_replay OBJECT ${PROJECT_SOURCE_DIR}/tests/fuzz/replay.cpp)
         target_link_libraries(knurl_replay PRIVATE knurl_options)
@@ -15,7 +16,8 @@ if(NOT TARGET knurl_fuzzers)
     endif()
 endif()
 
-set(fuzz_flags -std=c++20 -O1 -gline-tables-only -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all -Wall -Wextra)
+# -O2: with -O1 the templates of Eigen are calls, and what computes takes twice as long.
+set(fuzz_flags -std=c++20 -O2 -gline-tables-only -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all -Wall -Wextra)
 
 # One object per source, shared by the targets of a folder: each compiles once. Uses the folder's fuzz_flags and fuzz_includes.
 function(knurl_fuzz_object source out)
@@ -62,8 +64,8 @@ function(knurl_fuzz_library name)
     add_custom_target(${name} DEPENDS ${library})
 endfunction()
 
-# knurl_fuzz(name library max_len REPLAY targets... [DICTIONARY file] [LINK flags] [ALTERATIONS n]): fuzz target name.cpp, with
-# the kept inputs of name.corpus, if there are any. REPLAY has what is fuzzed as ordinary targets; `library` the same for libFuzzer, which is linked with LINK.
+# knurl_fuzz(name libraries max_len REPLAY targets... [DICTIONARY file] [LINK flags] [ALTERATIONS n]): fuzz target name.cpp, with
+# the kept inputs of name.corpus, if there are any. REPLAY has what is fuzzed as ordinary targets; `libraries` the same for libFuzzer, which is linked with LINK.
 function(knurl_fuzz name library max_len)
     cmake_parse_arguments(arg "" "DICTIONARY;ALTERATIONS" "REPLAY;LINK" ${ARGN})
     if(NOT arg_ALTERATIONS)
@@ -73,6 +75,7 @@ function(knurl_fuzz name library max_len)
     target_link_libraries(knurl_replay_${name} PRIVATE knurl_options knurl_replay ${arg_REPLAY})
     target_compile_options(knurl_replay_${name} PRIVATE ${knurl_test_optimization})
     set(corpus "")
+    set(unpacked "")
     set(packed ${CMAKE_CURRENT_SOURCE_DIR}/${name}.corpus)
     if(EXISTS ${packed})
         set(corpus ${CMAKE_CURRENT_BINARY_DIR}/corpus_${name})
@@ -80,7 +83,8 @@ function(knurl_fuzz name library max_len)
             COMMAND ${PROJECT_SOURCE_DIR}/scripts/corpus unpack ${packed} ${corpus}
             COMMAND ${CMAKE_COMMAND} -E touch ${corpus}.unpacked
             DEPENDS ${packed} ${PROJECT_SOURCE_DIR}/scripts/corpus COMMENT "Kept inputs of ${name}")
-        target_sources(knurl_replay_${name} PRIVATE ${corpus}.unpacked)
+        set(unpacked ${corpus}.unpacked)
+        target_sources(knurl_replay_${name} PRIVATE ${unpacked})
     endif()
     add_test(NAME fuzz.${name} COMMAND knurl_replay_${name} ${max_len} ${arg_ALTERATIONS} last_of_${name} ${corpus})
     set_tests_properties(fuzz.${name} PROPERTIES TIMEOUT 60 WORKING_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR} LABELS guarded)
@@ -91,11 +95,13 @@ function(knurl_fuzz name library max_len)
 
     knurl_fuzz_object(${CMAKE_CURRENT_SOURCE_DIR}/${name}.cpp object)
     set(program ${CMAKE_CURRENT_BINARY_DIR}/knurl_fuzz_${name})
-    set(archive ${CMAKE_CURRENT_BINARY_DIR}/lib${library}.a)
+    set(archives ${library})
+    list(TRANSFORM archives REPLACE "(.+)" "${CMAKE_CURRENT_BINARY_DIR}/lib\\1.a")
     add_custom_command(OUTPUT ${program}
-        COMMAND ${KNURL_CLANG} -fsanitize=fuzzer,address,undefined ${object} ${archive} ${arg_LINK} -o ${program}
-        DEPENDS ${object} ${archive} COMMENT "Fuzz target ${name}")
-    add_custom_target(fuzz_${name} DEPENDS ${program})
+        COMMAND ${KNURL_CLANG} -fsanitize=fuzzer,address,undefined ${object} -Wl,--start-group ${archives} -Wl,--end-group
+                ${arg_LINK} -o ${program}
+        DEPENDS ${object} ${archives} COMMENT "Fuzz target ${name}")
+    add_custom_target(fuzz_${name} DEPENDS ${program} ${unpacked})
     add_dependencies(fuzz_${name} ${library})
     add_dependencies(knurl_fuzzers fuzz_${name})
     set(found ${CMAKE_CURRENT_BINARY_DIR}/found_${name})
@@ -104,6 +110,10 @@ function(knurl_fuzz name library max_len)
     if(arg_DICTIONARY)
         list(APPEND run -dict=${arg_DICTIONARY})
     endif()
+    # For scripts/fuzz: the program and its arguments, a word a line.
+    set(words ${run} ${found} ${corpus})
+    list(JOIN words "\n" words)
+    file(WRITE ${PROJECT_BINARY_DIR}/fuzzers/${name} "${words}\n")
     add_test(NAME fuzz.${name}.long COMMAND ${run} -max_total_time=60 ${found} ${corpus})
     set_tests_properties(fuzz.${name}.long PROPERTIES TIMEOUT 180 WORKING_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR} LABELS long)
 endfunction()

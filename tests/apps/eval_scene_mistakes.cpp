@@ -28,6 +28,8 @@ INSTANTIATE_TEST_SUITE_P(
     All, SceneFileMistakes,
     testing::Values(
         Mistake{"NotToml", "[[plane]]\nstiffness = = 3\n", "2:13", ""},
+        Mistake{"LetterOutsideQuotes", "[[plane]]\nid = f\u00fcr\n", "2:7", "put the word in quotes"},
+        Mistake{"TableWithoutName", "[[\x01plane]]\n", "1:3", "control character U+0001"},
         Mistake{"UnknownTable", "[[plame]]\nstiffness = 3\n", "1:3", "did you mean [[plane]]?"},
         Mistake{"UnknownTableFarFromAll", "[[accordion]]\n", "1:3", "[[constant_force]]"},
         Mistake{"NoList", "[plane]\nstiffness = 3\n", "1:2", "[[plane]]"},

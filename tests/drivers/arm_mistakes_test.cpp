@@ -41,6 +41,8 @@ TEST(ArmFile, SaysWhatIsWrongWhereAndWhatToDo) {
         {with("alpha_deg = 90", "alhpa_deg = 90"),
          "mine.toml:7:13: unknown key 'alhpa_deg' in row 1; it takes theta, theta_deg, d, a, alpha, "
          "alpha_deg, prismatic, limits, limits_deg; did you mean 'alpha_deg'?"},
+        {with("[workspace]", "[=workspace]"),
+         "mine.toml:28:2: '=' stands where the name of a table should begin; write [name] or [[name]]"},
         {with("[workspace]", "[wrkspace]"),
          "mine.toml:28:1: unknown key 'wrkspace' in an arm; it takes name, description, position_only, "
          "coupling, row, axis, base, tool, workspace, tip, drive; did you mean 'workspace'?"},

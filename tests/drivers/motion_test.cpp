@@ -60,6 +60,17 @@ TEST(MotionFile, SaysLineColumnAndWhatToDo) {
               "m.csv:3: column 1 (t): \"0.2\" is not after the row before; sort the rows by time, each once");
     EXPECT_EQ(refusal("0,0,0,0,0,0,0,0\n"),
               "m.csv:1: column 5 (qw): the quaternion has no length; no turn is 1,0,0,0");
+    EXPECT_EQ(refusal("0,0,0,0,1e200,1e200,0,0\n"),
+              "m.csv:1: column 5 (qw): the quaternion is longer than 1e6; divide it by its length");
+    EXPECT_EQ(
+        refusal("0,0,0,0\n5e-324,1,0,0\n"),
+        "m.csv:2: column 1 (t): \"5e-324\" is less than 1 ns after the row before; leave one of them out");
+    EXPECT_EQ(refusal("0,1e308,0,0\n1,-1e308,0,0\n"),
+              "m.csv:1: column 2 (x): \"1e308\" is beyond 1e6 m; write metres");
+    EXPECT_EQ(refusal("-2e9,0,0,0\n"),
+              "m.csv:1: column 1 (t): \"-2e9\" is beyond 1e9 s; let the times begin at 0");
+    EXPECT_EQ(refusal("0,\x1b[31m,0,0\n"),
+              "m.csv:1: column 2 (x): \"?[31m\" is not a number; write seconds and metres, such as 0.25");
     EXPECT_EQ(refusal("t,z,y,x\n0,0,0,0\n"),
               "m.csv:1: column 1 (t): \"t\" is not a number; write seconds and metres, such as 0.25")
         << "a header in another order would swap axes silently";

@@ -13,7 +13,12 @@
 #include <string>
 #include <vector>
 
+#include <fcntl.h>
+#include <unistd.h>
+
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
+/// Of a target that has one.
+extern "C" __attribute__((weak)) int LLVMFuzzerInitialize(int* argc, char*** argv);
 
 namespace {
 
@@ -66,9 +71,11 @@ Bytes altered(Bytes bytes, const Bytes& other, std::size_t longest, Dice& dice) 
     return bytes;
 }
 
-void run(const Bytes& bytes, const char* last) {
-    std::ofstream(last, std::ios::binary)
-        .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+/// `last` is open for writing: to open it anew for each input takes longer than most targets.
+void run(const Bytes& bytes, int last) {
+    if (::pwrite(last, bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()) ||
+        ::ftruncate(last, static_cast<off_t>(bytes.size())) != 0)
+        std::perror("replay: the input cannot be kept");
     // A copy to the byte: AddressSanitizer sees who reads past its end.
     const std::vector<std::uint8_t> exact(bytes.begin(), bytes.end());
     LLVMFuzzerTestOneInput(exact.data(), exact.size());
@@ -77,12 +84,17 @@ void run(const Bytes& bytes, const char* last) {
 }  // namespace
 
 int main(int argc, char** argv) {
+    if (LLVMFuzzerInitialize != nullptr) LLVMFuzzerInitialize(&argc, &argv);
     if (argc < 4) {
         std::fprintf(stderr, "usage: %s LONGEST ALTERATIONS LAST [FOLDER...]\n", argv[0]);
         return 2;
     }
     const std::size_t longest = std::stoul(argv[1]), alterations = std::stoul(argv[2]);
-    const char* last = argv[3];
+    const int last = ::open(argv[3], O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+    if (last < 0) {
+        std::perror(argv[3]);
+        return 2;
+    }
     std::vector<std::filesystem::path> files;
     for (int i = 4; i < argc; ++i)
         for (const auto& entry : std::filesystem::directory_iterator(argv[i])) files.push_back(entry.path());
@@ -104,7 +116,7 @@ int main(int argc, char** argv) {
     for (const Bytes& bytes : kept) run(bytes, last);
     for (std::size_t i = 0; i < alterations; ++i)
         run(altered(kept[dice.below(kept.size())], kept[dice.below(kept.size())], longest, dice), last);
-    std::filesystem::remove(last);
+    std::filesystem::remove(argv[3]);
     std::printf("%zu kept inputs and %zu alterations of them by seed %u\n", kept.size(), alterations, seed);
     return 0;
 }

@@ -39,6 +39,20 @@ TEST(Json, SaysWhatIsMissingOrOfAnotherType) {
     EXPECT_EQ(json.value("nome", 3), 3);
 }
 
+/// A program that reads a file must not run out of stack, whatever the file holds.
+TEST(Json, RefusesWhatNestsTooDeep) {
+    const auto nested = [](std::size_t levels) {
+        return std::string(levels, '[') + std::string(levels, ']');
+    };
+    EXPECT_EQ(Json::parse(nested(100)).size(), 1u);
+    for (const std::size_t levels : {std::size_t{300}, std::size_t{1'000'000}}) try {
+            Json::parse(nested(levels));
+            ADD_FAILURE() << levels;
+        } catch (const JsonError& error) {
+            EXPECT_STREQ(error.what(), "it nests deeper than 256 arrays and objects");
+        }
+}
+
 TEST(Json, EqualsWhatHasTheSameValueWhateverItsTypeAndOrder) {
     EXPECT_EQ(Json(1), 1.0);
     EXPECT_EQ(Json(1u), 1);

@@ -12,6 +12,9 @@
 #include <Eigen/LU>
 #include <Eigen/SVD>
 
+#include <knurl/drivers/serial_chain.hpp>
+#include <knurl/words/toml.hpp>
+
 #include "arm_file/reader.hpp"
 
 namespace knurl::drivers {
@@ -260,16 +263,7 @@ std::size_t ArmFile::actuated() const {
 }
 
 ArmFile parse_arm(std::string_view text, const std::string& name) {
-    toml::table table;
-    try {
-        table = toml::parse(text, name);
-    } catch (const toml::parse_error& error) {
-        const toml::source_position at = error.source().begin;
-        std::string what(error.description());
-        std::replace(what.begin(), what.end(), '\n', ' ');  // the message quotes the file, with line ends
-        throw std::runtime_error(name + ":" + std::to_string(at.line) + ":" + std::to_string(at.column) +
-                                 ": " + what);
-    }
+    const toml::table table = words::parse_toml(text, name);
     ArmFile arm;
     arm.path = name;
     ArmTable root(arm, table, "an arm",
@@ -290,6 +284,12 @@ ArmFile parse_arm(std::string_view text, const std::string& name) {
     read_axes(arm, root);
     read_coupling(arm, root);
     read_frames(arm, root);
+    // What the chain refuses is said with its place in the file. It judges a coupling by its determinant.
+    try {
+        const SerialChain chain(arm.table);
+    } catch (const std::runtime_error& error) {
+        root.fail("coupling", error.what());
+    }
     read_workspace(arm, root);
     read_figures(arm, root);
     return arm;

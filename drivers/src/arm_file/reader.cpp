@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include <knurl/words/nearest.hpp>
+#include <knurl/words/printable.hpp>
 
 namespace knurl::drivers {
 
@@ -16,6 +17,8 @@ constexpr double degree = std::numbers::pi / 180;
 constexpr double longest_haptic_link = 3;  // m: haptic arms are shorter
 constexpr std::string_view degrees_suffix = "_deg";
 constexpr std::string_view source_suffix = "_source";
+constexpr std::size_t longest_message =
+    700;  // bytes; it quotes keys and values, in which any character may stand
 
 std::string kind_of(const toml::node& node) {
     if (node.is_string()) return "a string";
@@ -67,7 +70,7 @@ ArmTable::ArmTable(ArmFile& arm, const toml::table& table, std::string called,
 void ArmTable::fail_at(const toml::node& node, const std::string& what) const {
     const toml::source_position at = node.source().begin;
     throw std::runtime_error(arm_.path + ":" + std::to_string(at.line) + ":" + std::to_string(at.column) +
-                             ": " + what);
+                             ": " + words::printable(what, longest_message));
 }
 
 void ArmTable::fail(std::string_view key, const std::string& what) const {

@@ -107,8 +107,15 @@ Json Json::array(std::initializer_list<Json> values) {
 }
 
 Json Json::parse(std::string_view text) {
+    // Values are copied, written and destroyed level by level, on the stack.
+    constexpr int deepest = 256;
+    const auto look = [](int depth, JsonText::Theirs::parse_event_t, JsonText::Theirs&) {
+        if (depth > deepest)
+            throw JsonError("it nests deeper than " + std::to_string(deepest) + " arrays and objects");
+        return true;
+    };
     try {
-        auto theirs = JsonText::Theirs::parse(text);
+        auto theirs = JsonText::Theirs::parse(text, look);
         return JsonText::from(theirs);
     } catch (const nlohmann::json::exception& error) {
         throw JsonError(error.what());

@@ -2,11 +2,14 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
+#include <utility>
 
 #include <fmt/format.h>
 #include <zstd.h>
 
 #include <knurl/recording/mcap.hpp>
+#include <knurl/words/printable.hpp>
 
 #include "mcap_parts.hpp"
 
@@ -56,14 +59,28 @@ class Parts {
     std::span<const std::byte> rest_;
 };
 
+std::unique_ptr<std::istream> opened(const std::string& path) {
+    auto file = std::make_unique<std::ifstream>(path, std::ios::binary);
+    if (!*file) throw std::runtime_error(fmt::format("{}: cannot be read: {}", path, std::strerror(errno)));
+    return file;
+}
+
+/// 0: it is no file with a size.
+std::uint64_t size_of(const std::string& path) {
+    std::error_code failed;
+    const std::uintmax_t bytes = std::filesystem::file_size(path, failed);
+    return failed ? 0 : bytes;
+}
+
 }  // namespace
 
-McapReader::McapReader(const std::string& path) : path_(path), file_(path, std::ios::binary) {
-    if (!file_) throw std::runtime_error(fmt::format("{}: cannot be read: {}", path, std::strerror(errno)));
-    std::error_code failed;
-    size_ = std::filesystem::file_size(path, failed);
+McapReader::McapReader(const std::string& path) : McapReader(opened(path), size_of(path), path) {}
+
+McapReader::McapReader(std::unique_ptr<std::istream> file, std::uint64_t bytes, const std::string& path)
+    : path_(path), file_(std::move(file)), size_(bytes) {
     char begin[magic.size()] = {};
-    if (failed || !file_.read(begin, sizeof begin) || std::string_view(begin, sizeof begin) != magic)
+    if (size_ < sizeof begin || !file_->read(begin, sizeof begin) ||
+        std::string_view(begin, sizeof begin) != magic)
         fail("is no MCAP file; give one that knurl record made");
     at_ = sizeof begin;
     crc_ = crc_of(magic);
@@ -76,7 +93,7 @@ McapReader::McapReader(const std::string& path) : path_(path), file_(path, std::
 }
 
 void McapReader::fail(const std::string& what) const {
-    throw std::runtime_error(path_ + ": " + what);
+    throw std::runtime_error(path_ + ": " + words::printable(what, 300));
 }
 
 const McapMetadata* McapReader::metadata(const std::string& name) const {
@@ -120,7 +137,7 @@ bool McapReader::read_record() {
         ended_ = true;
         return false;
     };
-    if (size_ - at_ < sizeof head || !file_.read(reinterpret_cast<char*>(head), sizeof head)) return cut();
+    if (size_ - at_ < sizeof head || !file_->read(reinterpret_cast<char*>(head), sizeof head)) return cut();
     Parts parts(head);
     const auto op = static_cast<Op>(parts.take<std::uint8_t>());
     const auto length = parts.take<std::uint64_t>();
@@ -128,7 +145,7 @@ bool McapReader::read_record() {
     if (length > (op == Op::attachment ? largest_attachment : largest_record))
         fail(fmt::format("the record at byte {} is too long to be one of ours", at_));
     record_.resize(length);
-    if (!file_.read(reinterpret_cast<char*>(record_.data()), static_cast<std::streamsize>(length)))
+    if (!file_->read(reinterpret_cast<char*>(record_.data()), static_cast<std::streamsize>(length)))
         return cut();
 
     const std::uint32_t crc_before = crc_;
@@ -199,10 +216,10 @@ std::optional<std::vector<std::byte>> McapReader::attachment(const std::string& 
     const auto found = attachments_.find(name);
     if (found == attachments_.end()) return std::nullopt;
     std::vector<std::byte> bytes(found->second.bytes);
-    const auto back = file_.tellg();
-    if (!file_.seekg(static_cast<std::streamoff>(found->second.at)) ||
-        !file_.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size())) ||
-        !file_.seekg(back))
+    const auto back = file_->tellg();
+    if (!file_->seekg(static_cast<std::streamoff>(found->second.at)) ||
+        !file_->read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size())) ||
+        !file_->seekg(back))
         fail("cannot be read: " + std::string(std::strerror(errno)));
     return bytes;
 }
@@ -216,7 +233,12 @@ void McapReader::open_chunk(std::span<const std::byte> content) {
     const std::string compression = parts.text();
     const auto packed = parts.bytes(parts.take<std::uint64_t>());
     if (plain > largest_record) throw TooShort();
-    chunk_.resize(plain);
+    // Before memory is taken for what a changed length claims.
+    if (compression == "zstd") {
+        const unsigned long long stated = ZSTD_getFrameContentSize(packed.data(), packed.size());
+        if (stated != ZSTD_CONTENTSIZE_UNKNOWN && stated != plain) throw TooShort();
+    }
+    chunk_.resize(compression == "zstd" || packed.size() == plain ? plain : 0);
     next_ = 0;
     if (compression == "zstd") {
         const std::size_t n = ZSTD_decompress(chunk_.data(), chunk_.size(), packed.data(), packed.size());

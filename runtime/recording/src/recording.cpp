@@ -2,6 +2,7 @@
 #include <array>
 #include <charconv>
 #include <cstring>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -10,6 +11,7 @@
 #include <knurl/recording/recording.hpp>
 #include <knurl/servo/asset_digest.hpp>
 #include <knurl/servo/config.hpp>
+#include <knurl/words/printable.hpp>
 
 namespace knurl::recording {
 
@@ -19,6 +21,7 @@ constexpr const char* report_topic = "/knurl/report";
 constexpr const char* inputs_topic = "/knurl/inputs";
 constexpr const char* metadata_name = "knurl";
 constexpr const char* missing_name = "knurl missing";
+constexpr std::size_t longest_word = 256;  // bytes of what the metadata says
 constexpr const char* asset_media_type = "application/x-knurl-asset";
 
 std::string asset_name(const protocol::AssetDigest& digest) {
@@ -133,15 +136,16 @@ McapMetadata metadata_of(RecordingInfo info) {
 }
 
 RecordingInfo info_of(const McapMetadata& all, const std::string& path) {
-    const auto text = [&](const std::string& name) -> const std::string& {
+    // Programs print it, and a file may hold any character.
+    const auto text = [&](const std::string& name) {
         const auto found = all.find(name);
         if (found == all.end())
             throw std::runtime_error(
                 fmt::format("{}: its metadata has no '{}': the file was changed", path, name));
-        return found->second;
+        return words::printable(found->second, longest_word);
     };
     const auto number = [&](const std::string& name, auto& value, auto... base) {
-        const std::string& digits = text(name);
+        const std::string digits = text(name);
         const char* end = digits.data() + digits.size();
         if (std::from_chars(digits.data(), end, value, base...).ptr != end || digits.empty())
             throw std::runtime_error(
@@ -242,7 +246,8 @@ bool RecordingWriter::finish() {
     return whole && file_.finish();
 }
 
-RecordingReader::RecordingReader(const std::string& path) : path_(path), file_(path) {
+RecordingReader::RecordingReader(McapReader file, const std::string& path)
+    : path_(path), file_(std::move(file)) {
     const McapMetadata* metadata = file_.metadata(metadata_name);
     if (metadata == nullptr)
         throw std::runtime_error(

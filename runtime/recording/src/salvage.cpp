@@ -12,12 +12,15 @@
 #include <knurl/recording/recording.hpp>
 #include <knurl/recording/salvage.hpp>
 #include <knurl/servo/flight_recorder.hpp>
+#include <knurl/words/printable.hpp>
 
 namespace knurl::recording {
 
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::size_t longest_heading = 256;  // bytes
 
 std::string newest_in(const std::string& directory) {
     std::string newest;
@@ -61,41 +64,49 @@ std::istringstream words_of(const std::string& line) {
 
 }  // namespace
 
-std::string salvage(const std::string& from, const std::string& to, Existing existing) {
-    std::error_code ignored;
-    const std::string path = fs::is_directory(from, ignored) ? newest_in(from) : from;
-    std::ifstream file(path);
-    if (!file) throw std::runtime_error(fmt::format("{}: cannot be read: {}", path, std::strerror(errno)));
-
-    RecordingInfo info;
+FlightRecord read_flight_record(std::istream& text, const std::string& path) {
+    FlightRecord flight;
+    RecordingInfo& info = flight.info;
     int number = 0;
     const auto fail = [&](const std::string& what) {
         throw std::runtime_error(fmt::format("{}:{}: {}", path, number, what));
     };
     std::string line, skipped;
-    while (++number, std::getline(file, line) && line.starts_with("#")) {
+    while (++number, std::getline(text, line) && line.starts_with("#")) {
         if (line.starts_with("# build:")) words_of(line) >> info.version >> skipped >> std::hex >> info.wire;
         if (line.starts_with("# servo:")) words_of(line) >> info.servo;
         if (line.starts_with("# device:")) words_of(line) >> info.device >> info.address >> info.options.rate;
         if (line.starts_with("# cause: ")) info.cause = line.substr(line.find(':') + 2);
     }
+    // Programs print them, and a file may hold any character.
+    for (std::string* said : {&info.version, &info.servo, &info.device, &info.address, &info.cause})
+        *said = words::printable(*said, longest_heading);
     if (info.device.empty() || line != servo::report_columns)
         fail(
             "is no flight record of this version; give what the guardian saved, "
             "flight-SERVO-DEVICE-TIME.csv");
+    while (++number, std::getline(text, line))
+        if (!parse_row(line, flight.reports.emplace_back()))
+            fail("is no report: the file was changed, or cut off");
+    return flight;
+}
 
-    RecordingWriter out(to, info, existing);
-    std::uint64_t reports = 0;
-    Report report;
-    while (++number, std::getline(file, line)) {
-        if (!parse_row(line, report)) fail("is no report: the file was changed, or cut off");
+std::string salvage(const std::string& from, const std::string& to, Existing existing) {
+    std::error_code ignored;
+    const std::string path = fs::is_directory(from, ignored) ? newest_in(from) : from;
+    std::ifstream file(path);
+    if (!file) throw std::runtime_error(fmt::format("{}: cannot be read: {}", path, std::strerror(errno)));
+    const FlightRecord flight = read_flight_record(file, path);
+
+    RecordingWriter out(to, flight.info, existing);
+    for (const Report& report : flight.reports) {
         out.report(report);
-        ++reports;
         if (out.full()) out.flush();
     }
     if (!out.finish()) throw std::runtime_error(out.problem());
     return fmt::format("{}: {} reports of {}, device '{}' ({}): {}; shapes that were felt are not in it", to,
-                       reports, path, info.device, info.address, info.cause);
+                       flight.reports.size(), path, flight.info.device, flight.info.address,
+                       flight.info.cause);
 }
 
 }  // namespace knurl::recording

@@ -10,6 +10,7 @@
 #include <knurl/reps/check.hpp>
 #include <knurl/reps/describe.hpp>
 #include <knurl/words/nearest.hpp>
+#include <knurl/words/printable.hpp>
 
 namespace knurl::scenefile {
 
@@ -237,8 +238,8 @@ void doubt_units(const std::string& path, const Entry& entry, std::vector<std::s
         remarks.push_back(
             fmt::format("{}:{}:{}: {} of {} is {:g} m, but a hand reaches {:g} m: lengths are in metres; if "
                         "it is in mm, write {:g}",
-                        path, setting.at.line, setting.at.column, field.name, entry.called, length, reach,
-                        length * 1e-3));
+                        path, setting.at.line, setting.at.column, field.name,
+                        words::printable(entry.called, 60), length, reach, length * 1e-3));
     }
 }
 
@@ -266,15 +267,18 @@ void apply(const std::string& path, const Entry& entry, std::vector<std::byte>& 
     for (const Setting& setting : entry.settings) {
         const Field& field = info.fields[setting.field];
         std::byte* target = params.data() + field.offset;
-        const auto whole = static_cast<std::uint32_t>(field.type == Field::Type::points
-                                                          ? static_cast<double>(setting.parts.size() / 3)
-                                                          : setting.parts[0]);
         const std::size_t reals = field.reals() * sizeof(double);
         if (reals > 0) {
             std::memset(target, 0, reals);
             std::memcpy(target, setting.parts.data(), setting.parts.size() * sizeof(double));
         }
-        if (field.bytes() > reals) std::memcpy(target + reals, &whole, sizeof whole);
+        if (field.bytes() > reals) {
+            // A choice or an integer, which was read within its range; of reals, which may have any value, none.
+            const auto whole = field.type == Field::Type::points
+                                   ? static_cast<std::uint32_t>(setting.parts.size() / 3)
+                                   : static_cast<std::uint32_t>(setting.parts[0]);
+            std::memcpy(target + reals, &whole, sizeof whole);
+        }
     }
     const Verdict verdict = info.validate(params.data());
     if (verdict) return;

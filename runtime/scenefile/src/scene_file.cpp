@@ -10,6 +10,7 @@
 
 #include <knurl/reps/all.hpp>
 #include <knurl/words/nearest.hpp>
+#include <knurl/words/toml.hpp>
 
 #include "entry.hpp"
 
@@ -183,11 +184,9 @@ class Resolver {
 
 toml::table parse_toml(std::string_view text, const std::string& path) {
     try {
-        return toml::parse(text, path);
-    } catch (const toml::parse_error& error) {
-        std::string what(error.description());
-        std::replace(what.begin(), what.end(), '\n', ' ');  // the message quotes the file, with line ends
-        fail(path, error.source().begin, what);
+        return words::parse_toml(text, path);
+    } catch (const words::TomlError& error) {
+        throw SceneError(error.what());
     }
 }
 

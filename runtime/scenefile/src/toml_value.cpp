@@ -4,9 +4,13 @@
 
 #include <fmt/format.h>
 
+#include <knurl/words/printable.hpp>
+
 namespace knurl::scenefile {
 
 namespace {
+
+constexpr std::size_t longest_message = 700;  // bytes
 
 std::string in_unit(std::string_view unit) {
     return unit.empty() || unit == "1" ? "" : fmt::format(" in {}", unit);
@@ -80,7 +84,9 @@ std::string_view type_name(const toml::node& node) {
 }
 
 void fail(const std::string& path, const toml::source_position& where, const std::string& text) {
-    throw SceneError(fmt::format("{}:{}:{}: {}", path, where.line, where.column, text));
+    // It quotes keys and values of the file, in which escapes may stand for any character.
+    throw SceneError(
+        fmt::format("{}:{}:{}: {}", path, where.line, where.column, words::printable(text, longest_message)));
 }
 
 std::vector<Value> values_of(const toml::table& table) {

@@ -156,6 +156,26 @@ void Broker::Impl::drop_silent_callers() {
     }
 }
 
+void Broker::Impl::answer(std::uint64_t source) {
+    switch (source) {
+        case listening:
+            return accept_one();
+        case signalled: {
+            signalfd_siginfo signal;
+            if (read(options.signals.get(), &signal, sizeof signal) == sizeof signal)
+                begin_to_end(End::asked);
+            return;
+        }
+        case built:
+            return tell_builders();
+        case guardian_gone:
+            epoll_ctl(epoll.get(), EPOLL_CTL_DEL, options.guardian_pidfd, nullptr);
+            return begin_to_end(End::guardian_died);
+        default:
+            serve(source);
+    }
+}
+
 int Broker::Impl::patience_ms(bool collecting) const {
     using std::chrono::milliseconds;
     auto patience = milliseconds(-1);
@@ -178,45 +198,27 @@ Broker::Broker(BrokerOptions options, std::vector<HostedDevice> devices, shm::Wa
 Broker::~Broker() = default;
 
 Broker::End Broker::run() {
-    Impl& self = *impl_;
-    for (;;) {
-        bool collecting = false;
-        for (const auto& table : self.tables) collecting |= table->collect();
-        self.drop_silent_callers();
-        self.take_back_unmapped();
-        self.update_listening();
-        if (self.ending && (*self.ending == End::at_once || self.at_rest())) return *self.ending;
+    for (;;)
+        if (const auto end = turn()) return *end;
+}
 
-        std::array<epoll_event, 32> events;
-        const int count = epoll_wait(self.epoll.get(), events.data(), static_cast<int>(events.size()),
-                                     self.patience_ms(collecting));
-        if (count < 0 && errno != EINTR) {
-            throw std::runtime_error(fmt::format("knurld: epoll_wait: {}", std::strerror(errno)));
-        }
-        for (int i = 0; i < count; ++i) {
-            switch (const std::uint64_t source = events[static_cast<std::size_t>(i)].data.u64; source) {
-                case listening:
-                    self.accept_one();
-                    break;
-                case signalled: {
-                    signalfd_siginfo signal;
-                    if (read(self.options.signals.get(), &signal, sizeof signal) == sizeof signal) {
-                        self.begin_to_end(End::asked);
-                    }
-                    break;
-                }
-                case built:
-                    self.tell_builders();
-                    break;
-                case guardian_gone:
-                    epoll_ctl(self.epoll.get(), EPOLL_CTL_DEL, self.options.guardian_pidfd, nullptr);
-                    self.begin_to_end(End::guardian_died);
-                    break;
-                default:
-                    self.serve(source);
-            }
-        }
-    }
+std::optional<Broker::End> Broker::turn(int most_ms) {
+    Impl& self = *impl_;
+    bool collecting = false;
+    for (const auto& table : self.tables) collecting |= table->collect();
+    self.drop_silent_callers();
+    self.take_back_unmapped();
+    self.update_listening();
+    if (self.ending && (*self.ending == End::at_once || self.at_rest())) return *self.ending;
+
+    const int patience = self.patience_ms(collecting);
+    std::array<epoll_event, 32> events;
+    const int count = epoll_wait(self.epoll.get(), events.data(), static_cast<int>(events.size()),
+                                 most_ms >= 0 && (patience < 0 || patience > most_ms) ? most_ms : patience);
+    if (count < 0 && errno != EINTR)
+        throw std::runtime_error(fmt::format("knurld: epoll_wait: {}", std::strerror(errno)));
+    for (int i = 0; i < count; ++i) self.answer(events[static_cast<std::size_t>(i)].data.u64);
+    return std::nullopt;
 }
 
 }  // namespace knurl::servo

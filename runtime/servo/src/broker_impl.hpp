@@ -142,6 +142,8 @@ struct Broker::Impl {
 
     void drop_silent_callers();
 
+    /// Whatever has happened at this source.
+    void answer(std::uint64_t source);
     int patience_ms(bool collecting) const;
 };
 

@@ -5,11 +5,12 @@
 #include <sstream>
 
 #include <fmt/format.h>
-#include <toml++/toml.h>
 
 #include <knurl/protocol/name.hpp>
 #include <knurl/servo/config.hpp>
 #include <knurl/words/nearest.hpp>
+#include <knurl/words/printable.hpp>
+#include <knurl/words/toml.hpp>
 
 namespace knurl::servo {
 
@@ -40,6 +41,12 @@ constexpr std::array limit_keys{
     LimitKey{{"workspace_margin", 1, widest.workspace_margin, "times the radius"},
              &SupervisorLimits::workspace_margin},
 };
+
+/// A word of the file or of the command line, in which any character may stand.
+std::string shown(std::string_view word) {
+    constexpr std::size_t longest = 60;
+    return words::printable(word, longest);
+}
 
 std::string allowed(const Range& range) {
     return fmt::format("{:g} to {:g}{}{}", range.low, range.high, range.unit.empty() ? "" : " ", range.unit);
@@ -86,7 +93,7 @@ class Reader {
     }
     ConfigError unknown(const toml::key& key, const std::vector<std::string_view>& known) const {
         return ConfigError(fmt::format(
-            "{}: unknown key \"{}{}\"; {}", at(key.source()), prefix_, key.str(),
+            "{}: unknown key \"{}{}\"; {}", at(key.source()), prefix_, shown(key.str()),
             words::did_you_mean(key.str(), known, fmt::format("known here: {}", fmt::join(known, ", ")))));
     }
     ConfigError wrong_type(const toml::node& node, std::string_view key, std::string_view wanted) const {
@@ -186,8 +193,8 @@ DaemonConfig read_daemon(const toml::table& table, const std::string& path) {
         else if (name == "idle") {
             const std::string value = read.text(node, name);
             if (value != "sleep" && value != "poll") {
-                throw ConfigError(
-                    fmt::format("{}: idle = \"{}\"; allowed: \"sleep\", \"poll\"", read.at(node), value));
+                throw ConfigError(fmt::format("{}: idle = \"{}\"; allowed: \"sleep\", \"poll\"",
+                                              read.at(node), shown(value)));
             }
             config.idle = value == "poll" ? Idle::poll : Idle::sleep;
         } else if (name == "device") {
@@ -219,7 +226,7 @@ void require_name(std::string_view name, std::string_view where) {
         throw ConfigError(
             fmt::format("{} = \"{}\": a name has 1 to {} of the characters a-z A-Z 0-9 _ . - and does "
                         "not begin with a dot",
-                        where, name, protocol::name_bytes - 1));
+                        where, shown(name), protocol::name_bytes - 1));
     }
 }
 
@@ -249,12 +256,9 @@ DeviceConfig parse_device_argument(std::string_view argument) {
 
 DaemonConfig parse_config(std::string_view text, const std::string& path) {
     try {
-        return read_daemon(toml::parse(text, path), path);
-    } catch (const toml::parse_error& error) {
-        const auto& begin = error.source().begin;
-        std::string what(error.description());
-        std::replace(what.begin(), what.end(), '\n', ' ');  // the message quotes the file, with line ends
-        throw ConfigError(fmt::format("{}:{}:{}: {}", path, begin.line, begin.column, what));
+        return read_daemon(words::parse_toml(text, path), path);
+    } catch (const words::TomlError& error) {
+        throw ConfigError(error.what());
     }
 }
 

@@ -7,7 +7,7 @@
 #include <knurl/meshfile/mesh_file.hpp>
 #include <knurl/meshfile/soup.hpp>
 
-#include "refusal.hpp"
+#include "../../fuzz/refusal.hpp"
 
 using knurl::fuzz::check_refusal;
 using knurl::fuzz::require;

@@ -3,8 +3,8 @@
 // first byte is the role; each frame has a control byte (batch or commands, whether the ring has room) and
 // two of length.
 
+#include "../../fuzz/pieces.hpp"
 #include "fake_claim.hpp"
-#include "pieces.hpp"
 
 using namespace knurl;
 using namespace knurl::bridge;

@@ -4,10 +4,10 @@
 
 #include <array>
 
+#include "../../fuzz/pieces.hpp"
 #include "datagram_channel.hpp"
 #include "fake_claim.hpp"
 #include "feedback_assembly.hpp"
-#include "pieces.hpp"
 
 using namespace knurl;
 using namespace knurl::bridge;

@@ -12,9 +12,9 @@
 #include <knurl/link/local.hpp>
 #include <knurl/shm/waiter.hpp>
 
+#include "../../fuzz/pieces.hpp"
 #include "fake_claim.hpp"
 #include "peer.hpp"
-#include "pieces.hpp"
 
 using namespace knurl;
 using namespace knurl::bridge;

@@ -43,6 +43,12 @@ class Input {
     std::uint64_t chance_ = 0xcbf29ce484222325;
 };
 
+/// How many there are of something, by a byte: mostly few, since to build a soup of n triangles that all cross
+/// takes n^2 and more, and what goes wrong between a hundred goes wrong between twenty.
+inline unsigned count_of(std::uint8_t byte) {
+    return byte < 252 ? byte % 20u : byte;
+}
+
 enum Form : unsigned { any_double, any_float, steps, far_steps };  // of a coordinate
 
 inline double coordinate(Input& input, unsigned form) {
@@ -77,7 +83,7 @@ inline void move_about(const Asset& asset, Input& input, double radius, std::siz
     const double size = half.norm();
     Proxy proxy;
     Eigen::Vector3d hand = asset.high + 0.1 * half;
-    for (int cycle = 0; cycle < 200; ++cycle) {
+    for (int cycle = 0; cycle < 60; ++cycle) {
         const auto how = input.next<std::uint8_t>();
         Eigen::Vector3d by;
         for (double& x : by) x = input.next<std::int8_t>() / 128.0;

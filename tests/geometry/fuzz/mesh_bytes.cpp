@@ -24,15 +24,16 @@ struct Form8 {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     Input input({data, size});
     const auto form = input.next<Form8>();
-    std::vector<Point3> vertices(form.vertices);
+    const unsigned vertex_count = count_of(form.vertices);
+    std::vector<Point3> vertices(vertex_count);
     for (Point3& v : vertices) {
         for (double& x : v) x = coordinate(input, form.coordinates & 3);
     }
-    std::vector<Triangle> triangles(form.triangles);
+    std::vector<Triangle> triangles(count_of(form.triangles));
     for (Triangle& t : triangles) {
         for (std::uint32_t& i : t) {
             i = input.next<std::uint8_t>();
-            if (form.flags & 4) i %= form.vertices + 1U;  // rarely out of range
+            if (form.flags & 4) i %= vertex_count + 1U;  // rarely out of range
         }
     }
     std::vector<std::uint8_t> materials;

@@ -84,7 +84,11 @@ struct alignas(64) Line {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     Input input({data, size});
-    const auto form = input.next<Form8>();
+    auto form = input.next<Form8>();
+    if ((form.kind & 3) == 1) {
+        form.columns = static_cast<std::uint8_t>(count_of(form.columns));
+        form.rows = static_cast<std::uint8_t>(count_of(form.rows));
+    }
     Source source;
     switch (form.kind & 3) {
         case 0:

@@ -41,8 +41,9 @@ struct MotionSample {
 /// there. Before the first row and after the last: the row itself, at rest.
 class Motion {
   public:
-    /// Throws std::runtime_error: no rows, times that do not increase, numbers that are not finite, a zero
-    /// quaternion. Quaternions are normalised.
+    /// Throws std::runtime_error: no rows, times that do not increase by a nanosecond at least, numbers that are
+    /// not finite, places beyond 1e6 m, times beyond 1e9 s, a quaternion whose length is not 1e-6 to 1e6.
+    /// Quaternions are normalised.
     explicit Motion(std::vector<MotionRow> rows, bool has_orientation = false);
 
     /// Time of the first row (s).
@@ -66,7 +67,7 @@ class Motion {
 };
 
 /// Reads `t,x,y,z` or `t,x,y,z,qw,qx,qy,qz` (s, m), with or without a header line; blank lines and lines that
-/// begin with # are skipped. Throws std::runtime_error "FILE:LINE: column N (name): what; what to do".
+/// begin with # are skipped. The numbers are within the bounds of Motion. Throws std::runtime_error "FILE:LINE: column N (name): what; what to do".
 Motion load_motion(const std::string& path);
 /// The same from text; `name` stands for the file in messages.
 Motion parse_motion(std::string_view text, const std::string& name);

@@ -11,9 +11,10 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <fstream>
 #include <functional>
+#include <istream>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <stdexcept>
@@ -92,6 +93,8 @@ class McapReader {
   public:
     /// Reads up to the first message. Throws std::runtime_error: one line, with the path.
     explicit McapReader(const std::string& path);
+    /// The same from any bytes, so many; `path` begins its errors.
+    McapReader(std::unique_ptr<std::istream> file, std::uint64_t bytes, const std::string& path);
 
     struct Message {
         std::uint16_t channel = 0;
@@ -117,7 +120,7 @@ class McapReader {
     [[noreturn]] void fail(const std::string& what) const;
 
     std::string path_;
-    std::ifstream file_;
+    std::unique_ptr<std::istream> file_;
     std::uint64_t size_ = 0, at_ = 0;
     std::uint32_t crc_ = 0;
     std::string library_;

@@ -74,7 +74,9 @@ class RecordingWriter {
 class RecordingReader {
   public:
     /// Throws std::runtime_error: not a recording, incomplete, or unreadable.
-    explicit RecordingReader(const std::string& path);
+    explicit RecordingReader(const std::string& path) : RecordingReader(McapReader(path), path) {}
+    /// The same from an opened file; `path` begins its errors.
+    RecordingReader(McapReader file, const std::string& path);
 
     const RecordingInfo& info() const noexcept { return info_; }
     /// An asset in the part that was read. Throws std::runtime_error, without the file's name.

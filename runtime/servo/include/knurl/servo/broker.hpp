@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -72,6 +73,9 @@ class Broker {
 
     /// Serves until a signal or the guardian's death. Throws std::runtime_error if the kernel fails it.
     End run();
+    /// One round of that: waits for an event, for no longer than `most_ms` if that is not negative, and handles
+    /// what there is. None: it goes on.
+    std::optional<End> turn(int most_ms = -1);
 
   private:
     struct Impl;
