@@ -34,7 +34,7 @@ if(HELP2MAN)
                     share/man/man1/knurl-feel.1.gz)
 endif()
 holds(knurl-server ${server_pages} share/bash-completion/completions/knurld share/zsh/vendor-completions/_knurl-bridge bin/knurld bin/knurl-bridge lib/systemd/system/knurld.service lib/systemd/system/knurl-bridge.service
-      lib/udev/rules.d/70-knurl.rules lib/sysusers.d/knurl.conf share/knurl/knurld.toml)
+      lib/udev/rules.d/70-knurl.rules lib/sysusers.d/knurl.conf lib/knurl/knurld-stop-post share/knurl/knurld.toml)
 if(NOT depends MATCHES "libc6")
     message(FATAL_ERROR "knurl-server does not know what it depends on: ${depends}")
 endif()

@@ -27,7 +27,8 @@ g++ -std=c++20 "$work/main.cpp" -o "$work/by-pkg-config" $(pkg-config --cflags -
 
 echo "== install: knurl-server and knurl-tools"
 install "$packages"/knurl-server_*.deb "$packages"/knurl-tools_*.deb
-getent passwd knurl >/dev/null || fail "there is no user knurl"
+for user in knurl knurl-bridge; do getent passwd "$user" >/dev/null || fail "there is no user $user"; done
+id --name --groups knurl-bridge | grep -qw haptics || fail "the bridge may not reach the servo's socket"
 getent group haptics >/dev/null || fail "there is no group haptics"
 for package in libknurl-dev knurl-server knurl-tools; do
     grep -q 'Boost Software License' "/usr/share/doc/$package/copyright" || fail "$package comes without its licence"
@@ -79,7 +80,7 @@ left="$(find / -xdev \( -path /proc -o -path /root -o -path /tmp -o -path /sys \
 [[ -z "$left" ]] || fail "left behind:"$'\n'"$left"
 # (/etc/passwd- and the like are backups that userdel makes.)
 ! grep -rIl --exclude='*-' 'knurl\|haptics' /etc || fail "left behind in these files of /etc"
-! getent passwd knurl || fail "the user is left behind"
+for user in knurl knurl-bridge; do ! getent passwd "$user" || fail "the user $user is left behind"; done
 ! getent group haptics || fail "the group is left behind"
 [[ -z "$(installed)" ]] || fail "still known to dpkg: $(installed)"
 rm -r /run/systemd /usr/bin/systemctl

@@ -1,9 +1,14 @@
 #include "child_process.hpp"
 
 #include <csignal>
+#include <string_view>
 
+#include <fcntl.h>
 #include <sched.h>
 #include <spawn.h>
+#include <unistd.h>
+
+#include <knurl/shm/fd.hpp>
 
 extern char** environ;
 
@@ -47,6 +52,12 @@ int start_child(const std::string& program, const std::vector<std::string>& argu
     posix_spawnattr_setflags(&with.attributes, POSIX_SPAWN_SETSCHEDULER | POSIX_SPAWN_SETSIGMASK);
     return ::posix_spawn(&child, program.c_str(), &with.actions, &with.attributes,
                          const_cast<char* const*>(words.data()), environ);
+}
+
+void be_expendable() noexcept {
+    constexpr std::string_view score = "500";  // everybody may raise his own
+    const shm::UniqueFd file(::open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC));
+    if (file && ::write(file.get(), score.data(), score.size()) < 0) return;  // a wish, no more
 }
 
 }  // namespace knurl::servo
