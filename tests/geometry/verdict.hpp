@@ -1,8 +1,7 @@
 #pragma once
-// Compares the walk with the reference under the same hand, cycle by cycle, and classifies the differences.
-// Where a hand crosses a ridge, the surface may hold it at one of two points, both of which are right. Such
-// a point is right if no face around it is nearer to the hand (Surface::gain); the reference then goes on
-// from there.
+// Compares the walk with the reference under the same hand, cycle by cycle. Where a hand crosses a ridge, the
+// surface may hold it at one of two points. Both are right if no face around them is nearer to the hand
+// (Surface::gain); the reference then goes on from the walk's point.
 
 #include <ostream>
 

@@ -1,6 +1,6 @@
 // Any bytes into an end that expects TLS and a key: it never opens, never returns a frame, and states why it
-// closed. The first byte chooses the side; the corpus has real first flights of both sides. The waiting room reads
-// a caller's bytes once they have a whole hello or cannot become one, and at the latest at max_hello_bytes.
+// closed. The first byte chooses the side; the corpus has real first flights of both sides. The waiting room
+// reads a caller's bytes once they have a whole hello, cannot become one, or reach the bound.
 
 #include "streams.hpp"
 #include "waiting_room.hpp"
