@@ -1,5 +1,5 @@
-# Run by ctest: a project that includes Knurl, by FetchContent or by add_subdirectory. It configures, builds only the targets
-# that it links, compiles a program with Knurl's headers, and keeps its own settings. `scripts/deb-test` links and runs it.
+# Run by ctest: a project that includes Knurl, by FetchContent or by add_subdirectory, configures, would build only the
+# targets that it links, compiles a program with Knurl's headers, and keeps its own settings. scripts/deb-test runs it.
 # -D: KNURL (the repository), SOURCE (this folder), WORK (scratch), CXX.
 
 include(${CMAKE_CURRENT_LIST_DIR}/run.cmake)

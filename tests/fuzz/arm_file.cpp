@@ -1,5 +1,5 @@
-// Any bytes as the description of an arm: it is refused in one line, or the arm's kinematics are finite in
-// the workspace that the file states.
+// Any bytes as the description of an arm: it is refused in one line, or its figures are valid and its
+// kinematics are finite at the stated centre.
 
 #include <cmath>
 #include <cstdint>

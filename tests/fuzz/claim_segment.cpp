@@ -1,7 +1,6 @@
 // Anything that an application may write into its claim's memory while the servo reads it: bytes anywhere,
-// commands and batches, raw or well-formed. The forces stay finite and within the device's limits, the
-// device gets no fault, the servo's counts add up, and the claim can be taken back. A piece (pieces.hpp) is
-// one action of the application; the servo then runs one cycle.
+// commands and batches, raw or well-formed. Reports stay finite, forces are within the device's limits, and
+// the claim can be taken back. A piece (pieces.hpp) is one action of the application, before each cycle.
 
 #include <algorithm>
 #include <array>

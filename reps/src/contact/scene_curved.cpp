@@ -196,7 +196,7 @@ std::uint32_t CurvedStage::list_near_surfaces(const ContactSet& set, const Probe
     return size;
 }
 
-// m: how far the hand's motion alone can move the proxy, without a surface letting go.
+// m: how far the motion of hand and surfaces can move the proxy without a surface letting go.
 double CurvedStage::explained(const ContactSet& set, const ContactSolution& to,
                               double motion) const noexcept {
     double speed = 0;

@@ -17,7 +17,7 @@ V Friction::act(State& s, const Law& law, const Sliding& surface, const V& x, Re
         return {};
     }
     const V stretch = surface.along(s.anchor - x);
-    s.anchor = x + stretch;  // the part across the surface is lost for good
+    s.anchor = x + stretch;  // the part along the normal is lost for good
     const Real length_ = length(stretch);
     if (law.kind == Law::Kind::paper) {
         if (!s.sliding && length_ > law.d_snap) {

@@ -17,7 +17,7 @@
 ///
 /// A one-sided piece that the hand first meets from behind is not touched. A probe with a radius that slips
 /// off, or that comes from behind, feels nothing until all of it is clear of the piece. So no force begins at
-/// depth: the force can only fall to zero. Edges are round from all directions.
+/// depth; when the probe slips off, the force falls to zero. Edges are round from all directions.
 ///
 /// Together with other surfaces, a piece follows the path of the proxy (the point that satisfies all surfaces
 /// that hold the hand) instead of the hand's own path (proxy_path.hpp). So a hand that is pressed into one
