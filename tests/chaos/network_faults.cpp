@@ -1,6 +1,6 @@
-// Faults of a remote application: of its network, of its bridge, and by strangers at the bridge. Its wall goes
-// through the network proxy of tests/bridge, mostly with a key (TLS, sealed datagrams). Each fault begins and
-// ends with a hand that feels the wall of a local application.
+// Faults of a remote application: of its network, of its bridge, and by strangers at the bridge. Its wall
+// goes through the network proxy of tests/bridge, mostly with a key (TLS, sealed datagrams). Each fault
+// begins and ends with a hand that feels the wall of a local application.
 
 #include <array>
 #include <atomic>
