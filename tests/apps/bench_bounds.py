@@ -112,7 +112,7 @@ class BenchBounds(unittest.TestCase):
             code, _, err = self.judge(bounds=bad)
             self.assertEqual((code, err.count("\n")), (2, 1), err)
             self.assertIn(says, err)
-        code, _, err = self.judge(repetitions=0)  # a filter that matches nothing
+        code, _, err = self.judge(repetitions=0)  # as if a filter had matched nothing
         self.assertEqual(code, 2, err)
         code, _, err = self.judge(repetitions=29)
         self.assertEqual(code, 2)

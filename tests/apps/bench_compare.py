@@ -49,7 +49,7 @@ def run(rng, machine=1.0, scene=1.0, wake=1.0, repetitions=30):
 
 class BenchCompare(unittest.TestCase):
     def setUp(self):
-        self.rng = random.Random(7)  # by chance one pair of equal runs in twenty differs
+        self.rng = random.Random(7)  # a fixed seed, since one pair of equal runs in twenty differs by chance
         self.folder = tempfile.TemporaryDirectory()
         self.addCleanup(self.folder.cleanup)
 
@@ -106,7 +106,7 @@ class BenchCompare(unittest.TestCase):
         for _ in range(pairs):
             runs = [[], []]
             for _ in range(figures):
-                level, memory = rng.gauss(0, 0.1), 0.935  # of 15 blocks
+                level, memory = rng.gauss(0, 0.1), 0.935  # correlated over 15 blocks
                 levels = []
                 for _ in range(2 * blocks):
                     level = memory * level + rng.gauss(0, 0.1 * (1 - memory**2) ** 0.5)
@@ -126,7 +126,7 @@ class BenchCompare(unittest.TestCase):
             for scatter in runs[0] + runs[1]:
                 scatter.drift = 0.0
             by_blocks_alone += any_verdict(0.0)
-        # One pair in seven over many seeds: the promise of one in twenty is that of a steady machine.
+        # One pair in seven, over many seeds. One in twenty is promised for a steady machine only.
         self.assertLess(wrong, pairs / 7 + 11, "five standard deviations")
         self.assertGreater(by_blocks_alone, pairs / 2, "a rule that knows nothing of drift")
         self.assertGreater(found, 0.7 * pairs)

@@ -1,5 +1,5 @@
-// knurl-bodies as a person runs it: on simulated devices, with a hand that a person moves (a FIFO in the
-// place of a mouse), and on a terminal.
+// knurl-bodies as a person runs it: on simulated devices, with a hand that a mouse moves (a FIFO replaces the
+// mouse), and on a terminal.
 
 #include <cstdlib>
 #include <filesystem>
@@ -28,7 +28,7 @@ using knurl::test::run;
 using knurl::test::Servo;
 using testing::HasSubstr;
 
-/// What a mouse writes.
+/// Writes the events of a mouse.
 class Mouse {
   public:
     explicit Mouse(const std::string& path) {
@@ -144,7 +144,7 @@ struct OnAServo : BodiesProgram {
     void lift(Background& program) {
         ASSERT_TRUE(eventually([&] { return active(); })) << "the device is active";
         mouse_.up(-5);
-        // Nothing is within reach until the hand is there: a person presses again.
+        // Waits until the hand has arrived, since before that no body is within reach.
         ASSERT_TRUE(eventually([&] { return newest().position.z < -0.008; }));
         mouse_.button(true);
         ASSERT_TRUE(program.says("holds the cube")) << program.said();
@@ -152,7 +152,7 @@ struct OnAServo : BodiesProgram {
         ASSERT_TRUE(eventually([&] { return lifted(); })) << "it weighs 1 N";
     }
     knurl::HandReport newest() { return observer_.latest().value_or(knurl::HandReport{}); }
-    /// And the hand has reached its wanted place.
+    /// True: the cube is lifted, and the hand has reached its target.
     bool lifted() {
         const knurl::HandReport now = newest();
         return now.position.z > 0.005 && now.scene_force.z < -0.5 &&

@@ -9,7 +9,7 @@ using namespace bodies;
 
 constexpr double g = 9.81;  // m/s^2
 
-/// Takes a bar beside its middle, lifts it, and rests.
+/// Takes a bar off its middle, lifts it, and rests.
 Script lifted(const Vector3d& at) {
     Script script(at + Vector3d(0, 0, 0.02));
     script.rest(0.3).to(at, 0.05).rest(0.2).take().rest(0.2).to(at + Vector3d(0, 0, 0.04), 0.05).rest(3);
@@ -76,7 +76,7 @@ TEST(BodiesTorque, AFingerBesideTheMiddleTurnsTheHandByItsForceTimesItsLever) {
     script.rest(0.3).to({-0.017, 0, -0.03}, 0.03).rest(1);
     Vector3d force = Vector3d::Zero(), torque = force, lever = force;
     CoupledOptions coupled;
-    coupled.fingers = {{0, 0, 0}, {0, -0.02, 0}};  // this device's hand is turned by half a turn
+    coupled.fingers = {{0, 0, 0}, {0, -0.02, 0}};  // -0.02: this device's hand is rotated by half a turn
     coupled.touch.friction = 0;
     const TrialOptions options{.coupled = coupled, .device = "generic6"};
     const Trial trial = run_trial(world, script, options, [&](const Moment& moment) {

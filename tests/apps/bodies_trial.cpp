@@ -84,8 +84,8 @@ TEST_P(AtRate, RoughlyHandledBodiesHaveNoMoreEnergyThanTheHandPutIn) {
     }
 }
 
-/// The largest excess, J, of the bodies' energy over the hand's input so far: light bodies, pushed at random,
-/// stiffly, at 60 frames a second.
+/// The largest excess (J) of the bodies' energy over the hand's input so far, for light bodies that are
+/// pushed at random, with high stiffness, at 60 frames a second.
 double most_from_nothing(unsigned seed, const CoupledOptions& coupled) {
     World world({{.name = "box", .half = {0.02, 0.02, 0.02}, .mass = 0.05, .position = {0.02, 0, -0.03}},
                  {.name = "other", .half = {0.02, 0.02, 0.02}, .mass = 0.1, .position = {-0.03, 0, -0.03}}});
@@ -285,7 +285,7 @@ TEST(BodiesTrial, WhatIsTakenAndLetGoAtOnceWhileItIsTouchedIsNoStep) {
     EXPECT_LT(step, 0.1) << "N in a cycle";
 }
 
-/// N, the largest change of the force per cycle from then on.
+/// The largest change of the force per cycle (N), from the time `from` on.
 struct Step {
     double from, most = 0, force = 0;
     Vector3d last = Vector3d::Zero();

@@ -89,7 +89,7 @@ TEST(Ls, WithoutADescriptorLeftItSaysSo) {
     const auto limited = [&](const char* most, const std::string& words) {
         return run({"/bin/sh", "-c",
                     std::string("exec 3>&- 4>&- 5>&- 6>&- 7>&- 8>&- 9>&-; ulimit -n ") +
-                        most +  // who runs the tests may leave some
+                        most +  // the test's caller may have left some descriptors open
                         "; exec " + knurl_program() + " " + words});
     };
     for (const char* words :

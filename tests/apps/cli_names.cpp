@@ -35,7 +35,7 @@ TEST_F(Names, EveryFormIsTakenByEveryOption) {
             std::string::npos);
         ::unlink(home_.path("r.mcap").c_str());
         works({"latency", "--servo", name, "--updates", "20"});
-        works({"latency", "--connect", name, "--updates", "20"});  // as it was called before
+        works({"latency", "--connect", name, "--updates", "20"});  // the option's former name
         EXPECT_EQ(Client::connect(name).devices().size(), 1u);
     }
 }

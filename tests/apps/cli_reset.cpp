@@ -25,7 +25,8 @@ DeviceState state_of(Reader& reader) {
     return report ? report->state : DeviceState::disconnected;
 }
 
-/// Like a suspended machine: the servo's clock has jumped when it continues. A gap above 1 s is a fault.
+/// Acts like the suspend of a machine: the servo's clock has jumped when it continues. A gap above 1 s is a
+/// fault.
 template <class Reader>
 void suspend(const Servo& servo, Reader& reader) {
     ASSERT_TRUE(eventually([&] { return reader.latest().has_value(); }));

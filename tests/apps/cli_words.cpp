@@ -19,9 +19,9 @@ TEST(Nearest, CountsSlips) {
     EXPECT_EQ(slips("", "rate"), 4u);
     EXPECT_EQ(slips("rate", "rate"), 0u);
     EXPECT_EQ(slips("raet", "rate"), 1u);   // two neighbours swapped
-    EXPECT_EQ(slips("rat", "rate"), 1u);    // one too few
-    EXPECT_EQ(slips("ratte", "rate"), 1u);  // one too many
-    EXPECT_EQ(slips("rare", "rate"), 1u);   // another
+    EXPECT_EQ(slips("rat", "rate"), 1u);    // one letter missing
+    EXPECT_EQ(slips("ratte", "rate"), 1u);  // one letter too many
+    EXPECT_EQ(slips("rare", "rate"), 1u);   // one letter replaced
     EXPECT_EQ(slips("kitten", "sitting"), 3u);
     EXPECT_EQ(slips("Low_Pass", "low-pass"), 0u);
 }
@@ -32,7 +32,7 @@ TEST(Nearest, IsTheWordThatWasMeantOrNone) {
     EXPECT_EQ(nearest("NAME", keys), "name");
     EXPECT_EQ(nearest("prioritiy", keys), "priority");
     EXPECT_EQ(nearest("gardian-stal", keys), "guardian_stall");
-    EXPECT_EQ(nearest("prio", keys), "priority");  // begins so
+    EXPECT_EQ(nearest("prio", keys), "priority");  // the beginning of the word
     EXPECT_EQ(nearest("colour", keys), "");
     EXPECT_EQ(nearest("x", keys), "");
     EXPECT_EQ(nearest("", keys), "");
@@ -51,7 +51,7 @@ TEST(CommandLines, AnAlmostRightWordIsAnsweredWithTheOneThatIsThere) {
               "knurl: there is no verb 'recrod'; did you mean 'record'?; see knurl --help\n");
     EXPECT_EQ(refused({"device", "chekc"}),
               "knurl: there is no verb 'chekc'; did you mean 'check'?; see knurl device --help\n");
-    // Whatever else is missing because of it.
+    // Even if required options are missing because of the mistake.
     EXPECT_EQ(refused({"eval", "--scen", "s.toml", "--motion", "m.csv", "--out", "-"}),
               "knurl eval: there is no option '--scen'; did you mean '--scene'?; see knurl eval --help\n");
     EXPECT_EQ(refused({"ls", "--frobnicate=3"}),

@@ -53,8 +53,8 @@ radius = 0.05
 TEST(DeviceCheck, ForceAndResolutionAreThoseOfTheLevers) {
     const Folder folder;
     const json report = checked(folder.file("two.toml", two_links));
-    // At the centre the tip is 0.2828 m out, level with the shoulder: the forearm's motor has a lever of 0.2
-    // m along the upper arm, the shoulder's one of 0.2828 m straight up.
+    // At the centre the tip is 0.2828 m out, level with the shoulder. The forearm's motor has a lever of 0.2
+    // m along the upper arm; the shoulder's has one of 0.2828 m straight up.
     const double reach = 0.2 * std::numbers::sqrt2;
     const json& force = report["force"];
     EXPECT_NEAR(force["weakest_at_centre"]["value"], 0.5 / 0.2, 1e-9);
@@ -92,7 +92,7 @@ TEST(DeviceCheck, TheLargestForceIsGivenInEveryDirection) {
     EXPECT_GT(std::min({out, sideways, up}), 0.98) << "all around";
 }
 
-/// Three axes that cross at the tip and three that slide: each torque belongs to one motor.
+/// Three rotating axes that intersect at the tip, and three sliding ones: each torque belongs to one motor.
 TEST(DeviceCheck, TorqueAndAngularResolutionAreThoseOfTheMotorsThatTurnIt) {
     const Folder folder;
     const std::string path = folder.file("gantry.toml", R"(name = "gantry"

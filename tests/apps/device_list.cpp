@@ -19,7 +19,7 @@ using json = knurl::Json;
 using testing::HasSubstr;
 using testing::Not;
 
-// A root hub and a Falcon, as sysfs and the descriptors have them.
+// A root hub and a Falcon, as in sysfs and in their descriptors.
 constexpr const char* bus = R"(P: /devices/pci0000:00/0000:00:14.0/usb1
 N: bus/usb/001/001
 E: DEVNAME=/dev/bus/usb/001/001
@@ -64,7 +64,7 @@ Outcome on_the_bus(const std::string& text, const std::string& words) {
 Outcome as_nobody(const std::string& words) {
     const Folder folder;
     std::filesystem::permissions(folder.path(""), std::filesystem::perms(0755));
-    // the folder that it was built in may be closed to nobody
+    // The user nobody may have no access to the build folder.
     const std::string program = folder.path("knurl");
     std::filesystem::copy_file(knurl_program(), program);
     return run({"/usr/bin/setpriv", "--reuid=65534", "--clear-groups", "/usr/bin/env", "umockdev-run", "-d",

@@ -32,7 +32,7 @@ class Broken final : public drivers::Device {
     double last_effort = 1;                  // ... of the last motor's
     double moves_back = 1;                   // -1: joint 0's encoder counts the wrong way
     std::uint64_t stale = 0;                 // one of so many samples is missing; 0: none
-    bool exerts = false, exerted = false;    // now; ever
+    bool exerts = false, exerted = false;    // at present; at any time
     drivers::Nanoseconds answers_after = 0;  // ns, after each order and only then; 0: at any time
 
     explicit Broken(const std::string& options = "", const std::string& arm = "cartesian3")
@@ -91,7 +91,7 @@ TEST(DeviceTest, AnEncoderThatCountsBackwardsIsFound) {
     try {
         const Trial trial = tried(device);
         EXPECT_THAT(cli::findings(trial), Contains(HasSubstr("moves it the other way")));
-    } catch (const std::runtime_error& error) {  // pushed away from where it is held, it runs off
+    } catch (const std::runtime_error& error) {  // the controller pushes it away, so it accelerates
         EXPECT_THAT(error.what(), HasSubstr("faster than"));
     }
 }
@@ -132,7 +132,7 @@ TEST(DeviceTest, AMotorOfTheWristThatPushesTheWrongWayIsFound) {
     device.last_effort = -1;
     try {
         EXPECT_THAT(cli::findings(tried(device)), Contains(HasSubstr("a torque about")));
-    } catch (const std::runtime_error& error) {  // turned away from where it is held, it runs off
+    } catch (const std::runtime_error& error) {  // the controller turns it away, so it accelerates
         EXPECT_THAT(error.what(), HasSubstr("faster than"));
     }
 }
@@ -177,7 +177,7 @@ TEST(DeviceTest, ASimulatedArmIsLetGoOfUnlessAHandIsAskedFor) {
     EXPECT_EQ(free.code, 0) << free.out;
     EXPECT_THAT(free.err, HasSubstr("nobody's hand on it: tests sim:premium15,grip=0 "));
     EXPECT_THAT(free.out, HasSubstr("as it should be"));
-    // One device, three stiffnesses: each with what it is of.
+    // One device has three stiffnesses; the output states the meaning of each.
     EXPECT_THAT(free.out, ContainsRegex("stiffest wall +[0-9]+ N/m measured, nobody's hand on it\n"));
     EXPECT_THAT(free.out,
                 ContainsRegex("promised alone +194 N/m by its own damping.*; 0.9 of that or more passes\n"));

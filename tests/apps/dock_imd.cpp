@@ -18,7 +18,7 @@ using testing::HasSubstr;
 
 constexpr auto patience = 30s;
 
-/// The next frame; none: it has ended.
+/// The next frame; empty: the connection has ended.
 std::optional<ImdFrame> await(Imd& imd) {
     const auto deadline = std::chrono::steady_clock::now() + patience;
     while (std::chrono::steady_clock::now() < deadline) {

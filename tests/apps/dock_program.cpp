@@ -106,7 +106,7 @@ TEST_F(DockProgram, LetsGoWhileItIsStoppedAndTakesHoldAgain) {
     for (int i = 0; i < 3; ++i) {
         ASSERT_TRUE(simulation.eventually_pulled(is_pulled)) << i;
         bool let_go = false;
-        // A stop just within a message sends nothing: repeats then.
+        // A program that is stopped within a message cannot send: then the test repeats.
         for (int tries = 0; tries < 4 && !let_go; ++tries) {
             ::kill(program.pid(), SIGSTOP);
             let_go = simulation.eventually_pulled(is_let_go, std::chrono::seconds(8));
@@ -156,8 +156,8 @@ TEST_F(DockProgram, LeavesAHotSimulationAlone) {
 TEST_F(DockProgram, RoughHandlingAtTheStiffestScaleThatItTakesIsNoKick) {
     for (const char* rate : {"60", "2"}) {
         SCOPED_TRACE(rate);
-        double step = 0;  // N in a cycle, beside what the hand does by moving
-        // A delayed program takes hold at the hand's old place: repeats then.
+        double step = 0;  // N in a cycle, without the part from the hand's own motion
+        // A delayed program takes hold at the hand's old place: then the test repeats.
         for (int tries = 0; tries < 4 && (tries == 0 || step > 0.5); ++tries) {
             FakeImd simulation({.atoms = 300});
             const Outcome docked =

@@ -1,4 +1,5 @@
-// The bounds on the force, on models: an atom in a thick liquid whose friction heats all atoms, and a bath.
+// Tests the bounds on the force with models: an atom in a viscous liquid, whose friction heats all atoms,
+// and a heat bath.
 
 #include <algorithm>
 #include <cmath>
@@ -17,8 +18,8 @@ struct Outcome {
     double pull = 0;     // kcal/mol/A, mean
 };
 
-/// Pulled as hard as allowed for 200 frames, at 30 kcal/mol/A at most; from the hundredth on each has `later`
-/// steps instead of `steps`.
+/// Pulls as hard as allowed for 200 frames, at most with 30 kcal/mol/A. From the hundredth frame on, a frame
+/// has `later` steps instead of `steps`.
 Outcome pulled(int steps, int later, bool bounded) {
     constexpr double mobility = 4e-4;  // A a step for 1 kcal/mol/A: water's oxygen
     constexpr double k = 0.0019872;
@@ -60,7 +61,8 @@ TEST(DockPullBound, WithoutTheBoundItWouldBurn) {
     for (const int steps : {50, 500, 4000}) EXPECT_GT(pulled(steps, steps, false).hottest, 600) << steps;
 }
 
-/// The place modulo its box, as GROMACS sends it, with thermal motion, and unwrapped as in `knurl-dock`.
+/// The largest error (A) of a place that is sent modulo its box, as by GROMACS, with thermal motion, and
+/// unwrapped as in `knurl-dock`.
 double farthest_from_the_truth(int steps, unsigned seed, bool bounded) {
     constexpr double mobility = 7e-4, box = 18.6;  // A a step for 1 kcal/mol/A; A
     constexpr std::size_t atoms = 648;

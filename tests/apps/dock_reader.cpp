@@ -1,4 +1,4 @@
-// IMD's bytes, cut anywhere.
+// Reads the bytes of IMD messages, cut at any place.
 
 #include <bit>
 #include <cmath>

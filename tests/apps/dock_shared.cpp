@@ -1,5 +1,5 @@
-// An atom of one program and a wall of another on one device, as two people would start them; either is
-// killed while the other pulls.
+// An atom of one program and a wall of another on one device, as two people would start them. Either program
+// is killed while the other exerts force.
 
 #include <cmath>
 #include <csignal>
@@ -41,8 +41,8 @@ struct Part {
     Vector3d force = Vector3d::Zero();
 };
 
-/// The largest change between consecutive cycles. While the machine stood still the hand moved on, so a late
-/// cycle does not count.
+/// The largest change between consecutive cycles. A late cycle does not count, since the hand moved on while
+/// the machine stood still.
 class Steps {
   public:
     void see(const Part& part) {
@@ -65,7 +65,7 @@ class Steps {
 class DockShared : public testing::Test {
   protected:
     DockShared() {
-        // To and fro over 30 mm in 2 s, and pressed into the wall all the time.
+        // Moves back and forth over 30 mm in 2 s, and presses into the wall all the time.
         std::ofstream path(home_.path("hand.csv"));
         path << "t,x,y,z\n";
         for (int i = 0; i < 60'000; ++i)
@@ -82,7 +82,7 @@ class DockShared : public testing::Test {
     }
     knurl::Client connect() { return knurl::Client::connect("knurl:default", {.name = "test", .wait = 20s}); }
 
-    /// A wall of this process's own, which holds the device with the others.
+    /// A wall of this process, which shares the device with the others.
     struct Wall {
         explicit Wall(knurl::Client& client)
             : hand(client.claim("", {.shared = true})),
@@ -91,7 +91,8 @@ class DockShared : public testing::Test {
                                           .stiffness = 800})) {
             hand.arm();
         }
-        /// The newest report, and the others' part; none if that is unknown for this very cycle.
+        /// Reads the next report. Returns the others' part of it; empty if there is no feedback of the same
+        /// cycle.
         std::optional<Part> others() {
             report = hand.next_report(10s);
             hand.commit();
@@ -105,7 +106,7 @@ class DockShared : public testing::Test {
         std::optional<knurl::HandReport> report;
         Vector3d own = Vector3d::Zero();
     };
-    /// Reads on until `so`; a minute at most.
+    /// Reads reports until `so` is true, for at most a minute.
     static bool reads_until(Wall& wall, const std::function<bool(const Part&)>& so) {
         const auto end = std::chrono::steady_clock::now() + 60s;
         while (std::chrono::steady_clock::now() < end) {
@@ -116,7 +117,7 @@ class DockShared : public testing::Test {
     }
 
     const Home home_;
-    // the hand has moved on when its first frame arrives
+    // Pauses at the first frame, so that the hand has moved on when it arrives.
     FakeImd simulation_{{.mobility = 1e-6, .pause_at = 0}};
     std::optional<Servo> servo_;
 };
@@ -139,7 +140,7 @@ TEST_F(DockShared, TheHandFeelsTheSumOfBoth) {
     EXPECT_EQ(program.end(SIGINT), 0) << program.said();
     const auto figures = knurl::Json::parse(knurl::test::text_of_file(home_.path("dock.json")));
     EXPECT_LE(figures["end_step"], most_step) << "N in a cycle, from the first on";
-    // What knurl-dock says of its own spring, cycle by cycle.
+    // knurl-dock's own record of its spring, cycle by cycle.
     std::ifstream csv(home_.path("dock.csv"));
     std::string line;
     std::getline(csv, line);
@@ -219,7 +220,7 @@ TEST_F(DockShared, TheMoleculeStaysWhenTheWallsProgramIsKilled) {
         Steps steps;
         int alone = 0;
         const double below = watch.device().workspace_centre.z - 0.0115;
-        // Deeper than the floor lets it, and pulled by the atom there.
+        // Waits until the hand is deeper than the floor alone would permit, because the atom pulls it.
         EXPECT_TRUE(reads_until([&](const auto& report, const Part& part) {
             steps.see(part);
             EXPECT_EQ(report.state, knurl::DeviceState::active);

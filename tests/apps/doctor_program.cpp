@@ -43,7 +43,7 @@ TEST(Doctor, JudgesFiveRatesByTheServoAndTheBareLoop) {
     EXPECT_EQ(outcome.code, all.at("rates")[1].at("fitness") == "unfit" ? 1 : 0);
 }
 
-/// Where no capability gives a right of the whole machine.
+/// In a user namespace no capability gives a right over the whole machine.
 bool in_user_namespace() {
     std::istringstream map(text_of_file("/proc/self/uid_map"));
     std::uint64_t here = 0, there = 0, count = 0;
@@ -53,7 +53,7 @@ bool in_user_namespace() {
 
 TEST(Doctor, WithoutRightsItSaysWhatIsLostAndMeasuresTheRest) {
 #if defined(__SANITIZE_THREAD__)
-    // So that no priority is ever refused to it, and none is missed (runtime/servo/src/realtime.cpp).
+    // Such a build never asks for a priority, so none can be refused (runtime/servo/src/realtime.cpp).
     GTEST_SKIP() << "knurld asks for no real-time priority in a build with ThreadSanitizer";
 #endif
     KNURL_NEEDS(missing_loss_of_rights());
@@ -71,7 +71,7 @@ TEST(Doctor, WithoutRightsItSaysWhatIsLostAndMeasuresTheRest) {
 
 TEST(Doctor, InterruptedItKeepsTheVerdictsThatItHas) {
     OnTerminal doctor({knurl_program(), "doctor", "--seconds", "8"}, 200, 60);
-    ASSERT_TRUE(doctor.shows("1000 Hz, ")) << doctor.shown;  // so the rate before it is judged
+    ASSERT_TRUE(doctor.shows("1000 Hz, ")) << doctor.shown;  // the rate before it has been judged
     constexpr char interrupt = 3;                            // Ctrl-C
     doctor.type(interrupt);
     EXPECT_EQ(doctor.end(), 1);

@@ -1,4 +1,4 @@
-// What `knurl doctor` reads from the kernel's files, on machines made of files.
+// What `knurl doctor` reads from the kernel's files. Each machine is a folder with such files.
 
 #include <filesystem>
 #include <fstream>
@@ -16,7 +16,7 @@ using cli::Finding;
 using cli::Grade;
 using testing::HasSubstr;
 
-/// A root directory with what is put into it.
+/// A root directory for the kernel's files.
 class Root {
   public:
     Root& with(const std::string& path, const std::string& text) {

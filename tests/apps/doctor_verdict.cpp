@@ -1,4 +1,4 @@
-// From lateness to a verdict, on invented loops.
+// The verdict for a loop's lateness, with invented loops.
 
 #include <doctor_verdict.hpp>
 #include <gmock/gmock.h>
@@ -15,7 +15,7 @@ using testing::HasSubstr;
 
 constexpr Nanoseconds us = 1000, ms = 1'000'000;
 
-/// `late` of `cycles` begin `how_late` after their deadline, the others 30 us.
+/// The first `late` of `cycles` begin `how_late` after their deadline, the others 30 us.
 Beginnings loop(double rate, std::size_t cycles, std::size_t late = 0, Nanoseconds how_late = 0) {
     Beginnings made;
     for (std::size_t i = 0; i < cycles; ++i) {

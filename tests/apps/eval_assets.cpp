@@ -1,4 +1,4 @@
-// Scene files and `knurl eval`: surfaces that shapes are made of.
+// Scene files and `knurl eval`: assets, and the shapes that use them.
 
 #include <cmath>
 #include <sstream>
@@ -35,7 +35,7 @@ TEST(EvalAssets, AShapeOfTwoTrianglesIsThePlaneThatTheyLieIn) {
 
 TEST(EvalAssets, HeightsAreFeltAsTheSlopeThatTheyAre) {
     const auto rows = eval(slope + "[[shape]]\nasset = 1\nstiffness = 100\n", press(0.01, -0.002, 0.5)).rows;
-    // 2 mm below the slope's middle: the distance is 2 mm cos, the direction its normal.
+    // 2 mm below the slope's middle: the distance is 2 mm cos, and the force is along the normal.
     const double cosine = 1 / std::sqrt(1.01);
     EXPECT_NEAR(rows.back().f[2], 100 * 0.002 * cosine * cosine, 1e-7);
     EXPECT_NEAR(rows.back().f[0], -0.1 * rows.back().f[2], 1e-7);

@@ -146,7 +146,7 @@ TEST(EvalConstraint, HoldsToItsLine) {
 TEST(EvalVibration, IsASineOfTheServosTime) {
     expect_forces("[[vibration]]\namplitude = 0.5\nfrequency = 40\n", 0.03, -0.02,
                   [](double, double, double t) {
-                      const double cycles = std::round(t * 1000) + 1;  // the first has one step behind it
+                      const double cycles = std::round(t * 1000) + 1;  // the first cycle counts as a step
                       return std::array{0.0, 0.0, 0.5 * std::sin(2 * M_PI * 40 * 1e-3 * cycles)};
                   });
 }

@@ -28,11 +28,11 @@ TEST(EvalPlane, PressesBackWithStiffnessTimesDepthLessDampingAndNeverPulls) {
         const Real t = static_cast<Real>(i) / 1000;
         EXPECT_EQ(row.t, static_cast<double>(i) / 1000);
         const Real z = t < 0.1L ? 0.005L - 0.1L * t : -0.005L + 0.2L * (t - 0.1L);
-        // of the segment that begins there; the last row: that ends there
+        // The speed of the segment that begins at this row; for the last row, of the one that ends there.
         const Real speed = i < 100 ? -0.1L : 0.2L;
         const Real force = z < 0 ? std::max(Real{0}, -800 * z - 10 * speed) : 0;
         outweighed = outweighed || (z < -1e-4L && force == 0);
-        // Exactly on the surface the damping begins with a step: either answer is right there.
+        // Damping has a step exactly on the surface, where either answer is right.
         if (std::abs(z) > 1e-12L) {
             EXPECT_NEAR(row.f[2], static_cast<double>(force), 1e-11) << "cycle " << i;
         }

@@ -1,5 +1,5 @@
 #pragma once
-// Scenes out of text.
+// Parses scenes from text.
 
 #include <cstring>
 #include <string>

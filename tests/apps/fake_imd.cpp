@@ -69,7 +69,7 @@ FakeImd::FakeImd(FakeImdOptions options)
         if (!readable(listening_.get(), stop_.get())) return;
         const shm::UniqueFd fd(::accept4(listening_.get(), nullptr, nullptr, SOCK_CLOEXEC));
         serve(fd.get());
-        // Reads the last messages as well, unless a frame could not be sent: then it closes.
+        // Reads the last messages as well, unless a frame could not be sent; then it closes.
         while (!unheard_ && readable(fd.get(), stop_.get(), 10) && read_orders(fd.get())) {
         }
         const std::lock_guard lock(mutex_);
@@ -156,7 +156,7 @@ bool FakeImd::send_frame(int fd) {
     return !unheard_ && number != options_.cut_at && number != options_.close_at;
 }
 
-/// False: the other end has gone.
+/// False: the other end has disconnected.
 bool FakeImd::read_orders(int fd) {
     char bytes[4096];
     const ssize_t got = ::recv(fd, bytes, sizeof bytes, 0);

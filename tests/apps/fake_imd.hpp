@@ -1,7 +1,7 @@
 #pragma once
-// A simulation that speaks IMD, version 2, with the faults that a test needs: a few atoms in a thick liquid,
-// without restoring forces. Like GROMACS it reads its input when a frame is sent, and forces stay until
-// replaced.
+// A fake simulation that speaks IMD, version 2, with the faults that a test needs: a few atoms in a viscous
+// liquid, without restoring forces. Like GROMACS, it reads its input when it sends a frame, and keeps forces
+// until they are replaced.
 
 #include <array>
 #include <atomic>
@@ -20,17 +20,16 @@ struct FakeImdOptions {
     int atoms = 9;
     bool swapped = false;  // uses the byte order that is not this machine's
     int version = 2;
-    bool greets = true;       // else it accepts the connection and sends nothing
-    int handshake_bytes = 8;  // fewer: it closes then
+    bool greets = true;       // otherwise it accepts the connection and sends nothing
+    int handshake_bytes = 8;  // with fewer it closes after them
     double steps_per_second = 2000;
     double mobility = 2e-3;   // A a step for 1 kcal/mol/A
     float temperature = 300;  // K
-    // By the number of the frame; -1: never. Frames count from the first, or from the first that a force
-    // moved.
+    // Numbers of frames; -1: never. Frames are counted from the first, or from the first that a force moved.
     bool once_pulled = false;
     int cut_at = -1;         // half of that frame, then it closes
     int close_at = -1;       // closes after that frame
-    int goodbye_at = -1;     // says that it goes
+    int goodbye_at = -1;     // sends IMD's disconnect message
     int pause_at = -1;       // sends nothing for a while
     double pause = 1.2;      // s
     int more_atoms_at = -1;  // one atom more in that frame

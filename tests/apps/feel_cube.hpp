@@ -17,7 +17,7 @@ using knurl::meshfile::MeshFile;
 // Corner c of the cube lies at (c & 1, c >> 1 & 1, c >> 2) * 2 - 1.
 inline constexpr int quads[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
                                     {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
-// The first one twice: so the first triangle, which has no area, is the one that looks inwards.
+// The first corner is given twice, so that the first triangle, which faces inwards, has no area.
 inline constexpr int strip[15] = {2, 2, 3, 6, 7, 5, 3, 1, 2, 0, 6, 4, 5, 0, 1};
 
 inline double place(int corner, int axis) {
@@ -126,7 +126,7 @@ inline std::string ply_binary(bool big, const std::string& real, const std::stri
     return out;
 }
 
-/// Its first byte behind the head is what ends a line.
+/// The first byte after the header is 0x0a, which ends a line in text.
 inline std::string ply_from_0x0a() {
     std::string out =
         "ply\nformat binary_little_endian 1.0\nelement vertex 8\nproperty short x\nproperty short "
@@ -150,7 +150,7 @@ inline std::string one_strip() {
     for (const int c : strip) out += " " + std::to_string(c);
     return out;
 }
-/// Each side a strip of its own.
+/// Each side is a strip of its own.
 inline std::string six_strips(const std::string& between = "-1") {
     std::string out = "29";
     for (int i = 0; i < 6; ++i) {

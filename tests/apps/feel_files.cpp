@@ -1,4 +1,4 @@
-// Mesh files as people have them, and the messages for invalid ones.
+// Mesh files of the usual kinds, and the messages for invalid ones.
 
 #include <cmath>
 #include <cstring>

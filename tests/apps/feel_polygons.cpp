@@ -36,7 +36,7 @@ double area(const Outline& outline) {
     return sum / 2;
 }
 
-/// Cut where it lies in space, seen from its front.
+/// Triangulates the outline at a random place and orientation in space, and compares areas and points.
 void expect_filled(const Outline& outline, std::uint32_t seed) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> unit(-1, 1);
@@ -68,7 +68,7 @@ void expect_filled(const Outline& outline, std::uint32_t seed) {
     for (const Vector2d& p : outline) low = low.cwiseMin(p), high = high.cwiseMax(p);
     for (int i = 0; i < 100; ++i) {
         const Vector2d p = low + (high - low).cwiseProduct(Vector2d(unit(random) + 1, unit(random) + 1)) / 2;
-        double nearest = INFINITY;  // to an edge: there rounding decides
+        double nearest = INFINITY;  // distance to an edge; near one, rounding decides
         for (std::size_t k = 0; k < outline.size(); ++k) {
             const Vector2d a = outline[k], d = outline[(k + 1) % outline.size()] - a;
             const double share = std::clamp((p - a).dot(d) / d.squaredNorm(), 0.0, 1.0);
@@ -98,7 +98,7 @@ Outline star(std::mt19937& random, int n) {
     return outline;
 }
 
-/// Teeth on both sides of a spiral.
+/// A band along a spiral.
 Outline spiral(int n) {
     Outline outline;
     for (int i = 0; i < n; ++i) {
@@ -146,10 +146,10 @@ TEST(Polygons, WithCornersOnTheirEdgesLeaveNoneOut) {
 
 TEST(Polygons, HaveHolesThatABridgeJoins) {
     const Outline square = {{0, 0}, {4, 0}, {4, 4}, {0, 4}};
-    // From a corner to the hole, around it the other way, and back.
+    // The outline goes from a corner to the hole, around it in the other direction, and back.
     expect_filled({{0, 0}, {4, 0}, {4, 4}, {0, 4}, {0, 0}, {1, 1}, {1, 3}, {3, 3}, {3, 1}, {1, 1}}, 0);
     expect_filled({{0, 0}, {4, 0}, {4, 4}, {0, 4}, {0, 0}, {1, 1}, {1, 3}, {3, 3}, {3, 1}, {1, 1}}, 1);
-    // Two holes on one corner, and a bridge along an edge's line.
+    // Two holes at one corner, and a bridge along the line of an edge.
     expect_filled({{0, 0},
                    {2, 0.5},
                    {2, 1},

@@ -23,7 +23,7 @@ class FeelProgram : public testing::Test {
     void SetUp() override {
         std::ostringstream obj;
         obj.precision(17);
-        // mm, though the file does not say so
+        // In mm, which the file does not state.
         const knurl::test::MadeMesh ball = knurl::test::icosphere(4, 40);
         for (const auto& v : ball.vertices) obj << "v " << v[0] << ' ' << v[1] << ' ' << v[2] << '\n';
         for (const auto& t : ball.triangles)
@@ -76,7 +76,7 @@ TEST_F(FeelProgram, AMaterialOfTheFileIsFeltAsSoftAsItIsWished) {
     EXPECT_GT(hard, 0.5);
     const double softened = peak({"--material", "felt=0.25"});
     EXPECT_GT(softened, 0);
-    // The hand is a spring too, and comes in further.
+    // The hand is a spring too, so it goes deeper into the softer surface.
     EXPECT_LT(softened, 0.6 * hard);
 }
 

@@ -15,7 +15,7 @@ using testing::HasSubstr;
 constexpr cli::Nanoseconds period = 1'000'000;
 const std::vector<double> udp(50, 20'000), wake(50, 50'000);  // ns: with a grace of 1.2 they are 84'000
 
-/// With the medians of these samples.
+/// The bound from these samples.
 std::optional<cli::RemoteBound> remote_bound(const PathSamples& paths, std::vector<double> ways,
                                              std::vector<double> wakes, cli::Nanoseconds cycle,
                                              std::span<const measure::Gap> gaps) {
@@ -26,7 +26,7 @@ std::optional<cli::RemoteBound> remote_bound(const PathSamples& paths, std::vect
                              gaps);
 }
 
-/// Consecutive updates, each in use after that many ns and written 10 us later.
+/// Consecutive updates, each of which is in use after that many ns and written 10 us later.
 PathSamples updates(const std::vector<double>& to_use) {
     PathSamples paths;
     cli::Nanoseconds at = 0;

@@ -1,4 +1,4 @@
-// The plain echoes beside a bridge: all input is returned, whatever other peers do.
+// The plain echo servers beside a bridge: they return all input, whatever other peers do.
 
 #include <array>
 #include <memory>
@@ -29,10 +29,10 @@ bridge::Endpoint any_port() {
     return bridge::resolve("127.0.0.1:0");
 }
 
-/// A peer with behaviour that no measurement has.
+/// A peer that behaves in ways in which no measurement does.
 class RawPeer {
   public:
-    static constexpr int little = 4096;  // bytes of its buffers: the echo soon has to wait for it
+    static constexpr int little = 4096;  // bytes of its buffers, so that the echo soon has to wait
     explicit RawPeer(const TcpEcho& echo, int room = little, int segment = 0)
         : fd_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
         ::setsockopt(fd_.get(), SOL_SOCKET, SO_RCVBUF, &room, sizeof room);
@@ -60,7 +60,7 @@ class RawPeer {
         pollfd room{.fd = fd_.get(), .events = POLLOUT, .revents = 0};
         return ::poll(&room, 1, a_while) == 1 && (room.revents & (POLLERR | POLLHUP)) == 0;
     }
-    /// Fewer: the echo has closed.
+    /// Receives that many bytes; fewer if the echo has closed.
     std::vector<char> receive(std::size_t bytes) const {
         std::vector<char> all(bytes);
         const ssize_t got = ::recv(fd_.get(), all.data(), bytes, MSG_WAITALL);
@@ -95,12 +95,12 @@ TEST(TcpEcho, AnswersExactlyWhatCameHoweverItWasSplitAndHoweverOftenItHadToWait)
     SCOPED_TRACE(seed);
     std::mt19937 random(seed);
     const TcpEcho echo(any_port());
-    // Room for whole segments of loopback: with less a window that opens again is told of by a timer only.
+    // Room for whole loopback segments. With less, only a timer reports that the TCP window has opened again.
     const RawPeer peer(echo, 1 << 18);
     std::vector<char> sent, came;
     for (int round = 0; round < 6; ++round) {
-        // Reads nothing until nothing more is accepted: every buffer on the path is full, and the echo waits
-        // within a message, or without any room.
+        // Sends without reading until nothing more is accepted. Then every buffer on the path is full, and
+        // the echo waits within a message, or without any room.
         do {
             std::vector<char> part(1 + random() % (random() % 2 == 0 ? 7 : 90'000));
             for (char& byte : part) byte = static_cast<char>(random());
@@ -118,8 +118,8 @@ TEST(TcpEcho, AnswersExactlyWhatCameHoweverItWasSplitAndHoweverOftenItHadToWait)
 }
 
 TEST(TcpEcho, WaitsWhereThereIsNoRoomAtAll) {
-    // Segments as long as what it takes at a time (and 12 bytes of time stamps): its buffer is then full at
-    // the end of a message, and the next one finds no room for a single byte.
+    // Segments as long as one read of the echo (and 12 bytes of time stamps). Its buffer is then full at the
+    // end of a message, and has no room for a single byte of the next one.
     constexpr std::size_t at_a_time = 4096;
     const TcpEcho echo(any_port());
     const RawPeer peer(echo, 1 << 18, at_a_time + 12);
@@ -168,7 +168,7 @@ TEST(TcpEcho, WhenAllPlacesAreTakenTheLongestSilentHasToGo) {
         peers.push_back(std::make_unique<RawPeer>(echo));
         EXPECT_TRUE(peers.back()->echoes(word));
     }
-    EXPECT_TRUE(peers[0]->echoes(word));  // so that the second is the one
+    EXPECT_TRUE(peers[0]->echoes(word));  // so that the second peer has been silent longest
     const RawPeer more(echo);
     EXPECT_TRUE(more.echoes(word));
     EXPECT_TRUE(peers[1]->receive(1).empty());

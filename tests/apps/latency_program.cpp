@@ -38,7 +38,7 @@ const json& named(const json& all, const std::string& name) {
     return all;
 }
 
-/// If the machine forbids real-time priority, one more line says so.
+/// Counts lines without the one that says that real-time priority is not permitted.
 std::ptrdiff_t lines_besides_rights(const std::string& said) {
     std::istringstream lines(said);
     std::ptrdiff_t count = 0, of_rights = 0;
@@ -197,7 +197,7 @@ TEST(LatencyOf, ARunningServoIsMeasuredByName) {
     EXPECT_GE(named(all, "update.commit_to_write")["n"], 20);
 }
 
-/// Commands, and what is measured in turns with them.
+/// Checks the commands, and the floor that is measured in turns with them.
 void expect_commands_beside_tcp(const json& all, std::size_t least) {
     for (const char* name : {"command.round_trip", "command.less_cycle_wait", "floor.tcp_round_trip"})
         EXPECT_GE(named(all, name)["n"], least) << name;
@@ -258,7 +258,7 @@ TEST(LatencyOf, AFarServoIsMeasuredToTheEnd) {
     const client_test::BridgeProcess bridge;
     bridge::proxy::Proxy::Options options;
     options.to_port = bridge.port();
-    options.profile.delay = 0.03;  // a block has time for one command and one ping-pong, no more
+    options.profile.delay = 0.03;  // a block has time for only one command and one ping-pong
     const bridge::proxy::Proxy far(options);
     const json all =
         measured({"--connect", "knurl://127.0.0.1:" + std::to_string(far.port()), "--updates", "12"});
@@ -281,7 +281,7 @@ TEST(LatencyOf, WithAKeyTheEchoesAreAsLongAsWhatIsSealed) {
     EXPECT_GT(named(all, "floor.tcp_round_trip")["n"], 0);
 }
 
-/// The one line that was said, and that commands were measured all the same.
+/// The one line of complaint; checks that commands were measured nevertheless.
 std::string complaint(const std::string& bridge, const std::string& echo) {
     const Folder folder;
     const Outcome outcome = knurl(
@@ -309,8 +309,8 @@ TEST(LatencyOf, WhereNobodyEchoesOneLineSaysSoAndTheRestIsMeasured) {
 
 TEST(LatencyOf, ARealTimeClientThatSpinsLeavesTheFloorsTheirShare) {
     KNURL_NEEDS(missing_real_time(10));
-    // Once, the partner of floor.cache_line started on the CPU where its maker span with higher priority, and
-    // both waited for ever.
+    // A former deadlock: the partner of floor.cache_line started on the CPU on which its creator spun with a
+    // higher priority.
     const Folder folder;
     const Outcome outcome =
         knurl({"latency", "--priority", "10", "--updates", "20", "--json", folder.path("L.json")});

@@ -185,7 +185,7 @@ Outcome knurl(std::vector<std::string> words) {
 
 namespace {
 
-/// In front of a command.
+/// The words in front of a command that take its rights away.
 std::vector<std::string> without_rights() {
     std::vector<std::string> words;
     if (missing_other_user().empty())
@@ -199,7 +199,7 @@ std::vector<std::string> without_rights() {
 
 Outcome knurl_without_rights(const Folder& folder, std::vector<std::string> words) {
     fs::permissions(folder.path(""), fs::perms(0755));
-    // The folder that they were built in may be closed to nobody.
+    // The user nobody may have no access to the build folder.
     for (const auto& [from, name] :
          {std::pair{knurl_program(), "knurl"}, std::pair{knurld_program(), "knurld"}})
         fs::copy_file(from, folder.path(name), fs::copy_options::skip_existing);

@@ -52,7 +52,7 @@ class Background {
     std::string said_;
 };
 
-/// A knurld in KNURL_RUNTIME_DIR; it listens, else the test has failed.
+/// A knurld in KNURL_RUNTIME_DIR. After construction it listens, or the test has failed.
 class Servo : public Background {
   public:
     explicit Servo(const std::vector<std::string>& words);
@@ -70,7 +70,7 @@ class OnTerminal {
     pid_t pid() const { return pid_; }
     void type(char key);
     bool shows(const std::string& text);
-    /// All of it, up to its end; its exit code.
+    /// Reads its output up to its end; returns its exit code.
     int end();
     std::string shown;
 

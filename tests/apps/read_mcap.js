@@ -1,4 +1,4 @@
-// Reads a recording with MCAP's own reader (npm: @mcap/core, with fzstd to unpack). NODE_PATH says where they are.
+// Reads a recording with MCAP's own reader (npm: @mcap/core, with fzstd to decompress), both found by NODE_PATH.
 const fs = require("fs");
 const { McapIndexedReader, McapStreamReader } = require("@mcap/core");
 const { decompress } = require("fzstd");

@@ -24,7 +24,7 @@ using testing::Not;
 
 constexpr const char* device = "sim:premium15,tremor=0.3";
 
-/// Holds the device with a ball under the hand, which it moves.
+/// An application that moves a ball under the hand.
 class Ball {
   public:
     explicit Ball(int level = 4, double radius = 0.1)
@@ -32,7 +32,7 @@ class Ball {
         send(level);
         EXPECT_TRUE(eventually([this] { return arm(); }));
     }
-    /// Another one in its place, with the same number.
+    /// Replaces the ball by another one with the same number.
     void send_again(int level) {
         shape_->remove();
         claim_.forget(params_.asset);
@@ -53,7 +53,7 @@ class Ball {
             ASSERT_TRUE(report && seen < 60'000) << "nothing is felt";
             if (report->state == DeviceState::active && report->scene_force.z > 0) ++felt;
             if (report->cycle % 50 != 0) continue;
-            // A busy machine that stood still has switched the device off.
+            // If a busy machine stood still, the device is off.
             if (report->state == DeviceState::idle || report->state == DeviceState::fault) arm();
             params_.position.z = -radius_ + (report->cycle % 100 == 0 ? 2e-3 : 3e-3);
             shape_->set(params_);
@@ -68,7 +68,7 @@ class Ball {
             if (report && report->state == DeviceState::fault) claim_.reset_fault();
             claim_.arm();
             return true;
-        } catch (const Error&) {  // a machine that stands still
+        } catch (const Error&) {  // the machine stands still
             return false;
         }
     }
@@ -80,7 +80,7 @@ class Ball {
             .position = {0, 0, -radius_ - 0.004},
             .stiffness = 500};
         shape_.emplace(claim_.add(params_));
-        // First below the hand: a shape that begins around the hand would push it nowhere.
+        // It begins below the hand, since a shape that begins around the hand gives no force.
         if (!claim_.wait_applied(claim_.commit(), 5s)) ADD_FAILURE() << "the ball is not there";
     }
 
@@ -91,8 +91,8 @@ class Ball {
     std::optional<Handle<Shape>> shape_;
 };
 
-/// Two applications, one after the other; the second has the first one's ball and two more, of which one
-/// comes in another's place.
+/// A recording of two applications, one after the other. The second has the first one's ball and two more,
+/// one of which replaces another.
 const std::string& recording() {
     struct Made {
         Home home;
@@ -167,7 +167,7 @@ TEST(RecordAssets, ARecordingThatBeginsInMidContactReplaysFromTheNextApplication
     first->send_again(3);
     first->feel(100);
     first.reset();
-    {  // nobody holds it, once the last force has faded
+    {  // waits until the last force has faded, so that nobody holds the device
         Client client = Client::connect("knurl:default");
         Observer observer = client.observe("premium15");
         for (int i = 0; i < 300; ++i) ASSERT_TRUE(observer.next_report(5s));
@@ -196,7 +196,7 @@ TEST(RecordAssets, OneThatDoesNotFitOnTheDiskIsCountedAndNamed) {
     Background recorder(
         {"/bin/bash", "-c", "ulimit -f 1024; exec \"$0\" record \"$1\"", knurl_program(), path});
     ASSERT_TRUE(recorder.says("recording device"));
-    Ball(1).feel(1200);  // more than a second: a chunk is in the file, from which on it replays
+    Ball(1).feel(1200);  // more than a second, so that the file has a chunk at which a replay can begin
     Ball(6).feel(100);
     EXPECT_EQ(recorder.end(SIGINT), 1);
     EXPECT_THAT(recorder.said(), HasSubstr("dropping what does not fit"));
@@ -222,7 +222,7 @@ TEST(RecordAssets, OneThatWasTakenOutOrChangedIsSaid) {
     const Outcome bytes = knurl({"replay", home.file("changed.mcap", changed)});
     EXPECT_EQ(bytes.code, 1);
     EXPECT_THAT(bytes.err, HasSubstr("changed"));
-    // Its record begins with the operation, the length and two times: now it is one that nobody knows.
+    // Its record begins with operation, length and two times: the changed operation is unknown.
     changed = all;
     changed[name - 4 - 16 - 8 - 1] = '\x7f';
     const Outcome gone = knurl({"replay", home.file("gone.mcap", changed)});

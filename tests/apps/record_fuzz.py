@@ -18,8 +18,8 @@ import unittest
 
 CHUNK, MESSAGE, HEADER, DATA_END = 6, 5, 1, 15
 INPUTS = 2  # the channel
-HEAD = 22 + 8  # of a message, and of an input in it
-PATIENCE = 60  # s; a sanitizer takes its time
+HEAD = 22 + 8  # bytes: the header of a message, and of an input in it
+PATIENCE = 60  # s; long enough for a build with sanitizers
 MOST_MEMORY = 1_500_000  # KiB
 
 
@@ -147,7 +147,7 @@ class RecordFuzz(unittest.TestCase):
         whole = self.recorded.file_of(self.recorded.messages)
         for _ in range(30):
             data = bytearray(whole)
-            for _ in range(self.rng.choice((1, 4))):  # mostly where lengths and names are
+            for _ in range(self.rng.choice((1, 4))):  # mostly near the front, which has lengths and names
                 data[self.rng.randrange(self.rng.choice((600, 6000, len(data))))] = self.rng.randrange(256)
             if self.rng.random() < 0.3:
                 del data[self.rng.randrange(len(data)):]

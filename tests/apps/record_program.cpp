@@ -25,7 +25,7 @@ using testing::Not;
 
 constexpr const char* device = "sim:premium15,tremor=0.3";
 
-/// An application with contact: it holds the device until it ends.
+/// An application with contact, which holds the device until it ends.
 class Application {
   public:
     Application()
@@ -35,7 +35,7 @@ class Application {
         claim_.add(Spring{.anchor = {0.01, 0, 0}, .stiffness = 30});
         claim_.arm();
     }
-    /// Moves its plane until that many reports came with the device on.
+    /// Moves its plane until that many reports have come with the device active.
     void feel(int reports) {
         for (int felt = 0; felt < reports;) {
             const auto report = claim_.next_report(5s);
@@ -135,7 +135,7 @@ TEST(Record, EndsByItselfAndWhenTheServoDoes) {
 TEST(Record, AFullDiskDropsCountsAndSaysSo) {
     const Home home;
     Servo servo({"--device", device});
-    // A limit on the file's size stands for a disk: 512 KiB in blocks of 1 KiB.
+    // A limit on the file's size represents a full disk: 512 KiB in blocks of 1 KiB.
     Background recorder({"/bin/bash", "-c", "ulimit -f 512; exec \"$0\" record \"$1\"", knurl_program(),
                          home.path("full.mcap")});
     ASSERT_TRUE(recorder.says("recording device"));
@@ -168,7 +168,7 @@ TEST(Replay, UsesWhatIsWholeOfAFileThatWasCutOff) {
     const Outcome nothing = knurl({"replay", home.file("cut.mcap", all.substr(0, 40))});
     EXPECT_EQ(nothing.code, 1);
     EXPECT_THAT(nothing.err, HasSubstr("cut off before anything was recorded"));
-    // Nobody held the device: that it was cut off is the reason.
+    // The file has no input yet; the message names the cut as the reason.
     const std::string begun = home.file("cut.mcap", all.substr(0, 3000));
     const Outcome no_input = knurl({"replay", begun});
     EXPECT_EQ(no_input.code, 1);
@@ -276,7 +276,7 @@ TEST(Record, SalvagesWhatTheGuardianSaved) {
     ASSERT_EQ(all.code, 0) << all.err;
     EXPECT_THAT(all.out, HasSubstr("device 'premium15' (" + std::string(device) + ")"));
     ASSERT_EQ(knurl({"replay", home.path("last.mcap"), "--csv", home.path("again.txt")}).code, 0);
-    // Digit by digit what the guardian wrote, without its comments.
+    // The same digits as the guardian wrote, without its comments.
     const std::string before = text_of_file(saved());
     EXPECT_EQ(text_of_file(home.path("again.txt")), before.substr(before.find("cycle,deadline_ns")));
     const Outcome replayed = knurl({"replay", home.path("last.mcap")});
@@ -294,7 +294,7 @@ TEST(Record, SalvagesWhatTheGuardianSaved) {
 
 TEST(Replay, FeelsTheRecordedMotionWithAnotherScene) {
     const Home home;
-    // The spring that was there, and one of half its stiffness: force by force the half.
+    // The recorded spring, and one of half its stiffness: each force is half as large.
     const auto felt = [&](const char* stiffness) {
         const std::string scene = home.file("scene.toml", std::string("[[spring]]\nanchor = [0.5, 0, 0]\n"
                                                                       "stiffness = ") +

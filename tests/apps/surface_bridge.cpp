@@ -1,5 +1,6 @@
-// The main job from another host: knurl-surface strokes a relief through a bridge with a key, over a real
-// wire between two network namespaces where they can be made, and its own judgement of that is looked at.
+// The main use case from another host: knurl-surface strokes a relief through a bridge with a key. If two
+// network namespaces can be created, they are connected by a real wire. The test checks the program's own
+// verdict.
 
 #include <cmath>
 #include <cstdio>
@@ -69,8 +70,8 @@ TEST(SurfaceOverABridge, StrokesAReliefOfAnotherHostAndIsJudgedStable) {
         EXPECT_TRUE(felt->at("fault_at_s").is_null()) << *felt;
         EXPECT_GT(felt->at("mean_force"), 0.5) << *felt;
         EXPECT_GT(felt->at("contact_share"), 0.5) << *felt;
-        // A machine that stands still loses reports, and updates come late: that is the machine's, and the
-        // judge counts it.
+        // If the machine stands still, reports are lost and updates come late. That is not the program's
+        // fault, but its verdict counts it.
         const double late = felt->at("age_max_s").get<double>() - felt->at("age_p50_s").get<double>();
         if (felt->at("stalls") == 0 && felt->at("missed") == 0 && late < 0.01) {
             EXPECT_TRUE(felt->at("stable")) << *felt;

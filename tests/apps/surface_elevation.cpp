@@ -1,4 +1,4 @@
-// Elevation models by name: what is read, and the one line that answers what cannot be read.
+// Files of elevation models: what is read, and the one-line message for what cannot be read.
 
 #include <filesystem>
 #include <fstream>
@@ -83,7 +83,7 @@ class Elevation : public testing::Test {
 
     std::filesystem::path folder_;
     std::vector<unsigned char> written_;
-    std::optional<png_uint_16> transparent_ = {};  // the grey that png() says is
+    std::optional<png_uint_16> transparent_ = {};  // the grey that png() marks as transparent
 };
 
 TEST_F(Elevation, A16BitPngIsReadToTheCountWithItsScale) {
@@ -240,7 +240,8 @@ TEST_F(Elevation, WhatStandsForNoHeightIsKnownHoweverItIsWritten) {
         EXPECT_THAT(refusal(file("gap.asc", text)),
                     AllOf(HasSubstr("row 2, column 4 has no height (" + cell + ")")));
     }
-    // Where the header says otherwise it is a height in the deepest sea, and a merged grid's gap on land.
+    // If the header names another value, -9999 is a height in the deepest sea, but a gap of a merged grid on
+    // land.
     std::string sea = head + "NODATA_value -32768\n-9999";
     for (int i = 1; i < 16; ++i) sea += " -" + std::to_string(9999 - 100 * i);
     EXPECT_EQ(surface::load_elevation(file("deep.asc", sea)).counts[0], -9999);
@@ -293,7 +294,7 @@ TEST_F(Elevation, AFineLocalGridIsNotInDegrees) {
         const ElevationModel model = surface::load_elevation(file("local.asc", corner + head + sixteen));
         EXPECT_EQ(model.metres_per_cell, 0.05) << corner;
     }
-    // Elsewhere by how steep it would be.
+    // Without such a statement, the steepness decides.
     const std::string flat = "1.01 1.02 1.03 1.02 1.01 1.0 1.01 1.02 1.03 1.02 1.01 1.0 1.01 1.02 1.03 1.02";
     EXPECT_EQ(surface::load_elevation(file("mm.asc", "xllcorner 12.5\nyllcorner 3\n" + head + flat))
                   .metres_per_cell,
@@ -303,7 +304,7 @@ TEST_F(Elevation, AFineLocalGridIsNotInDegrees) {
                 0.05 * 111195, 20);
 }
 
-/// 8 x 8 smooth samples as a P5 holds them, the first of which begin with a blank and a '#'.
+/// 8 x 8 smooth samples in the form of a P5 file; the first bytes are a blank and a '#'.
 std::string samples() {
     std::string bytes;
     for (int i = 0; i < 64; ++i) {
@@ -345,7 +346,7 @@ TEST_F(Elevation, APgmThatIsNotWhatItsHeaderSaysIsRefused) {
         slope += {static_cast<char>(value), static_cast<char>(value >> 8)};
     }
     EXPECT_THAT(refusal(file("little.pgm", "P5 256 256 65535\n" + slope)), HasSubstr("little-endian"));
-    std::string swapped;  // too small to be noise
+    std::string swapped;  // too small for a test of noise
     for (int i = 0; i < 16; ++i) swapped += {static_cast<char>(10 * i), '\x01'};
     EXPECT_THAT(
         refusal(file("little_10.pgm", "P5 4 4 1023\n" + swapped)),

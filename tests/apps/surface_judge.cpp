@@ -1,4 +1,4 @@
-// The definition of "stable", on strokes made up by hand; and the stroke that the hand is sent on.
+// The definition of "stable", with constructed strokes; and the path on which the hand is sent.
 
 #include <cmath>
 
@@ -20,7 +20,8 @@ using surface::Terrain;
 constexpr Ideal ideal{.stiffness = 1000, .greatest_force = 8};
 constexpr surface::Span span{.rest_at = 2.0, .end = 3.0};
 
-/// A stroke over a level surface at z = 0, 1 mm deep, its force exactly right: each test spoils one thing.
+/// A stroke over a level surface at z = 0, 1 mm deep, with an exactly right force. Each test spoils one
+/// property.
 struct Made {
     std::vector<Cycle> cycles;
     std::vector<Terrain::Foot> feet;
@@ -120,7 +121,7 @@ TEST(Judge, SpeedAwayFromTheSurfaceIsAKickSpeedAlongOrIntoItIsNot) {
     along.cycles[1000].velocity = {2, 0, -2};
     EXPECT_EQ(along.judged().stable(), true);
 
-    Made before;  // the hand may do as it likes before it has touched
+    Made before;  // before the first contact, any motion is permitted
     before.cycles[200].velocity = {0, 0, 0.9};
     EXPECT_EQ(before.judged().stable(), true);
 }

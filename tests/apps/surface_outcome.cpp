@@ -1,4 +1,4 @@
-// What knurl-surface leaves behind: ages of its updates, the table, and files that other programs read.
+// The output of knurl-surface: ages of its updates, the table, and files that other programs read.
 
 #include <filesystem>
 #include <fstream>
@@ -23,7 +23,7 @@ using testing::HasSubstr;
 
 constexpr std::int64_t ms = 1'000'000;
 
-/// A servo that reads at k ms and has written 0.1 ms later; a level surface, 1 mm deep.
+/// A servo that reads at k ms and writes 0.1 ms later; a level surface, 1 mm deep.
 Recording recording(Way way, int cycles = 2000) {
     Recording r;
     r.way = way;

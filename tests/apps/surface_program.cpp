@@ -60,8 +60,8 @@ TEST_F(SurfaceProgram, StrokesOncePerWayAndSaysHowItWent) {
         EXPECT_EQ(stroke.at("missed"), 0) << stroke;
         EXPECT_GT(stroke.at("updates"), 5) << stroke;
     }
-    // Forces sent by a slow application cannot be a stiff surface, and what the servo does about it is a
-    // result.
+    // Forces from a slow application cannot render a stiff surface. What the servo does about it is a result
+    // too.
     EXPECT_FALSE(json.at("strokes").at(0).at("stable"));
     // The second stroke was made even if the first one faulted the device.
     EXPECT_GT(json.at("strokes").at(1).at("cycles"), 1000);
@@ -90,11 +90,10 @@ TEST_F(SurfaceProgram, EachIsJudgedAgainstWhatItSentToo) {
     ASSERT_EQ(json.at("strokes").size(), 2u);
     for (const auto& stroke : json.at("strokes")) {
         ASSERT_TRUE(stroke.at("own_force_error").is_number()) << stroke;
-        // The servo feels what was sent, whatever that was.
+        // The servo renders what was sent, however wrong that is.
         EXPECT_LT(stroke.at("own_force_error"), stroke.at("force_error")) << stroke;
     }
-    // Of what was sent once nothing fades, and nothing comes late, unless the machine stood still for
-    // seconds.
+    // A model that is sent once never fades and is never late, unless the machine stood still for seconds.
     const auto& whole = json.at("strokes").at(1);
     if (whole.at("stalls") == 0 && whole.at("missed") == 0) {
         EXPECT_LT(whole.at("own_force_error"), 1e-6) << whole;

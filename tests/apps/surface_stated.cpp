@@ -1,4 +1,4 @@
-// What a way has sent, felt by itself; and the relief as it is sent whole.
+// The force of the representations that a way of rendering has sent; and the relief that is sent whole.
 
 #include <cmath>
 
@@ -17,7 +17,7 @@ using surface::Stated;
 
 constexpr std::int64_t ms = 1'000'000;
 
-/// A servo that reads at k ms and has written 0.1 ms later; the hand 1 mm below z = 0.
+/// A servo that reads at k ms and writes 0.1 ms later; the hand is 1 mm below z = 0.
 Recording recording(int cycles) {
     Recording r;
     for (int i = 0; i < cycles; ++i) {
@@ -84,7 +84,7 @@ TEST(Whole, TheFieldIsTheMesh) {
     int touching = 0, apart = 0;
     for (std::size_t i = 0; i < a.size(); ++i) {
         touching += b[i].norm() > 0.05;
-        apart += (a[i] - b[i]).norm() > 1e-4;  // N; where two places are as near
+        apart += (a[i] - b[i]).norm() > 1e-4;  // N; possible where two places are equally near
     }
     EXPECT_GT(touching, 1900);
     EXPECT_LE(apart, 4);

@@ -1,5 +1,6 @@
-// The true surface that knurl-surface feels and judges by: a bicubic B-spline, checked against an independent
-// evaluation in long double (de Boor's recursion, not the weights) and against brute force.
+// The true surface that knurl-surface renders and judges by: a bicubic B-spline, checked against an
+// independent evaluation in long double (de Boor's recursion instead of the weights) and against brute
+// force.
 
 #include <cmath>
 #include <random>

@@ -1,5 +1,5 @@
-// What is refused before toml++ sees it. This file has a toml++ of its own, with its assertions, and with a trap
-// where it would go on into undefined behaviour (CMakeLists.txt): without words::toml_fault both are reached.
+// Texts that are refused before toml++ gets them. This file compiles toml++ with assertions, and with a trap
+// in place of undefined behaviour (CMakeLists.txt). Without words::toml_fault these texts reach both.
 
 #undef NDEBUG
 #define TOML_HEADER_ONLY 1
@@ -76,7 +76,7 @@ TEST(TomlText, WhatTomlPlusPlusDoesNotBearIsRefusedInOneLine) {
     }
 }
 
-/// toml++ says what else is wrong: in one line, whatever the file holds.
+/// toml++ reports all other mistakes, in one line, whatever the file's content.
 TEST(TomlText, WhatTomlPlusPlusRefusesIsOneLine) {
     for (const std::string_view text :
          {"[]"sv, "[[]]"sv, "[ [a]]"sv, "[a"sv, "a = = 3"sv, "a"sv, "a = \"b\nc = 1"sv,
@@ -106,7 +106,7 @@ TEST(TomlText, ValidTomlIsRead) {
         "day = 1979-05-27 # a day\n"
         "1979-05-27Tx = [{1979-05-27T- = 1}]\n"
         "\\u = 1\n";
-    // Up to the last line, which is wrong and shows that the scan has followed to there.
+    // The scan accepts all of it. Only toml++ finds that the last line is wrong.
     EXPECT_EQ(toml_fault(text), std::nullopt);
     const toml::table table = parse_toml(text.substr(0, text.rfind("\\u")), "f.toml");
     EXPECT_EQ(table["é"].value_or(""sv), "ü");

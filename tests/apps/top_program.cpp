@@ -100,7 +100,7 @@ TEST(Top, SaysHowManyReportsAClientWasTooSlowToRead) {
     Observer slow = client.observe(), watch = client.observe();
     const auto before = slow.next_report(10s);
     ASSERT_TRUE(before);
-    // 4095 are kept.
+    // The ring keeps 4095 reports.
     for (auto now = watch.latest(); !now || now->cycle < before->cycle + 9000; now = watch.latest())
         watch.next_report(1s);
     ASSERT_TRUE(slow.next_report(1s));
@@ -153,14 +153,14 @@ TEST(Top, OnANarrowTerminalItTakesAPageAndGivesItBack) {
     ::setenv("NO_COLOR", "1", 1);
     OnTerminal top(quickly(), 40, 10);
     ::unsetenv("NO_COLOR");
-    ASSERT_TRUE(top.shows("lateness")) << top.shown;  // what comes behind it may find no room
+    ASSERT_TRUE(top.shows("lateness")) << top.shown;  // later columns may not fit
     constexpr char interrupt = 3;                     // Ctrl-C
     top.type(interrupt);
     EXPECT_EQ(top.end(), 0);
     const std::string page = "\033[?1049h", no_cursor = "\033[?25l";
     EXPECT_THAT(top.shown, StartsWith(page + no_cursor));
     EXPECT_THAT(top.shown, EndsWith("\033[?25h\033[?1049l"));
-    // Between escape sequences and line ends nothing is wider than the terminal.
+    // No line, without escape sequences, is wider than the terminal.
     const std::string last = top.shown.substr(top.shown.rfind("\033[J") + 3);
     std::istringstream lines(last.substr(0, last.find('\033')));
     int rows = 0;

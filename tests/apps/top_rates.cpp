@@ -1,4 +1,4 @@
-// From two looks at a servo to what `knurl top` shows.
+// The rates that `knurl top` computes from two observations of a servo.
 
 #include <gtest/gtest.h>
 #include <top_rates.hpp>

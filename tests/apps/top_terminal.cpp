@@ -60,14 +60,14 @@ TEST(TopTerminal, AResizedPageIsDrawnAnewAtOnce) {
         ::setenv("TERM", "xterm", 1);
         cli::Terminal terminal(true);
         terminal.show("1\n2\n3\n4\n5\n");
-        terminal.wait(3600);  // nothing is shown any more: until it is asked to end
+        terminal.wait(3600);  // shows nothing more until it is asked to end
         _exit(0);
     }
     std::string shown;
     const auto shows = [&](const char* what) {
         char text[4096];
         while (shown.find(what) == std::string::npos) {
-            const ssize_t n = ::read(screen, text, sizeof text);  // ctest's time-out is ours
+            const ssize_t n = ::read(screen, text, sizeof text);  // blocks; ctest has a timeout
             if (n <= 0) return false;
             shown.append(text, static_cast<std::size_t>(n));
         }

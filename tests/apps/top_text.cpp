@@ -1,4 +1,4 @@
-// What `knurl top` says, to the letter.
+// The exact text of `knurl top`.
 
 #include <gtest/gtest.h>
 #include <top_text.hpp>
@@ -12,7 +12,7 @@ namespace {
 using cli::DeviceRates;
 using json = knurl::Json;
 
-/// A device of which every figure is another one.
+/// A device whose figures all differ.
 DeviceRates busy_device() {
     DeviceRates rates;
     protocol::put_text(rates.device.info.name, "left");

@@ -1,4 +1,4 @@
-// `knurl trace`: of a servo at work, and of one that died.
+// `knurl trace` of a running servo, and of one that has died.
 
 #include <filesystem>
 
@@ -21,8 +21,8 @@ TEST(TraceProgram, DrawsAServoAtWork) {
     const Home home;
     const Servo servo({"--device", "right=sim:cartesian3", "--rate", "500"});
     json trace;
-    // A stamped cycle's parts can be read until the next one is stamped: a busy machine may miss both of 0.3
-    // s.
+    // The parts of a stamped cycle can be read until the next one is stamped. In 0.3 s there are few, and a
+    // busy machine may miss all of them.
     const auto has_a_stamped_cycle = [&] {
         const Outcome outcome =
             knurl({"trace", "--out", home.path("T.json"), "--for", "0.3", "--cycles", "20"});
@@ -90,7 +90,7 @@ TEST(FlightRecord, IsReadUpToWhereItWasCut) {
     EXPECT_EQ(timeline.reports[0].write_ns, 150);
     EXPECT_EQ(timeline.reports[0].sent_force.z, 2.5);
     EXPECT_EQ(timeline.reports[1].late_count, 2u);
-    // Wherever it is cut: the same reports as far as they go, or a line that says what is wrong.
+    // A file that is cut anywhere gives the same reports up to there, or a line that says what is wrong.
     for (std::size_t size = 0; size < whole.size(); ++size) {
         const std::string path = folder.file("cut.csv", whole.substr(0, size));
         try {

@@ -1,4 +1,4 @@
-// A timeline says what the reports say, in events that lie inside each other.
+// A timeline has the content of the reports, as properly nested events.
 
 #include <algorithm>
 #include <random>
@@ -30,7 +30,7 @@ Timeline cycles(std::uint64_t first, std::uint64_t count) {
     return timeline;
 }
 
-/// read, kinematics, take, scenes, supervise, write, publish; the middle four make 20 us.
+/// read, kinematics, take, scenes, supervise, write, publish. The middle four sum to 20 us.
 CycleParts stamped(std::uint64_t number) {
     return {.cycle = number, .ns = {8 * us, 2 * us, 1 * us, 15 * us, 3 * us, 1 * us, 1 * us}};
 }
@@ -55,7 +55,8 @@ const Event& named(const std::vector<Event>& all, const std::string& name) {
     return *found;
 }
 
-/// As a viewer reads a track: what begins inside an event ends in it as well, and it only goes forwards.
+/// Demands what a viewer needs of a track: an event that begins within another ends in it, and time never
+/// goes back.
 void expect_nested(const std::vector<Event>& all) {
     constexpr double rounding = 1e-6;
     std::vector<Event> open;
@@ -179,10 +180,10 @@ TEST(PartsWatch, KnowsTheCycleWhoseStampsCameBetweenTwoLooks) {
 TEST(PartsWatch, BelievesNoLookWhileACycleMayBeStamping) {
     cli::PartsWatch watch;
     watch.look(counters(1, 100), 65, 66);
-    watch.look(counters(2, 130), 127, 128);  // were it stamping already, some of its parts would be missing
+    watch.look(counters(2, 130), 127, 128);  // cycle 128 may be in progress, with some parts missing
     watch.look(counters(2, 130), 128, 129);
     EXPECT_TRUE(watch.seen().empty());
-    watch.look(counters(3, 170), 193, 194);  // two cycles at once are none
+    watch.look(counters(3, 170), 193, 194);  // the sum of two cycles does not count
     EXPECT_TRUE(watch.seen().empty());
     watch.look(counters(4, 180), 257, 258);
     ASSERT_EQ(watch.seen().size(), 1u);

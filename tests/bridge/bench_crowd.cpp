@@ -1,8 +1,8 @@
 // knurl_bench_crowd [--clients 64] [--seconds 4] [--rounds 3] [--keys 0|1] [--bridge-priority N] [--json
 // FILE]: that many applications on one device, each with a claim, a force, 100 updates a second and every
-// report. In turns all local, all through one bridge, and the same while one more application floods it.
-// Measures the processor time of the bridge, and of the servo's thread per cycle; and whether each update was
-// applied.
+// report. By turns all are local, all use one bridge, and all use it while one more application floods it.
+// Measures the processor time of the bridge and, per cycle, of the servo's thread, and whether each update
+// was applied.
 
 #include <algorithm>
 #include <atomic>
@@ -27,7 +27,7 @@ namespace {
 using namespace client_test;
 namespace fs = std::filesystem;
 
-constexpr double window = 0.1;  // s, of which the servo's cycle is taken: the median of windows
+constexpr double window = 0.1;  // s; the result for the servo's cycle is the median of such windows
 
 /// ns that a thread has run (proc(5), schedstat).
 double ran(const fs::path& task) {
@@ -37,7 +37,7 @@ double ran(const fs::path& task) {
     return ns;
 }
 
-/// All threads of a process.
+/// The same for all threads of a process.
 double ran_in_all(pid_t pid) {
     double sum = 0;
     for (const auto& task : fs::directory_iterator("/proc/" + std::to_string(pid) + "/task"))
@@ -83,8 +83,8 @@ knurl::Client connect_by(const Way& way) {
     return knurl::Client::connect(way.address, {.name = "crowd", .wait = 60s, .key_file = way.key});
 }
 
-/// An admitted application commits 20 times a millisecond, and also sends 50 invalid datagrams: what one
-/// machine behind a network can do without taking this one's processors.
+/// An admitted application that commits 20 times a millisecond, and also sends 50 invalid datagrams: the
+/// load from another machine, at a rate that leaves this machine's processors free.
 void flood(const Way& way, const std::atomic<bool>& done) {
     knurl::Client client = connect_by(way);
     knurl::Claim hand = client.claim("", {.shared = true, .representations = 4});
@@ -100,7 +100,7 @@ void flood(const Way& way, const std::atomic<bool>& done) {
         }
         for (int i = 0; i < 50; ++i)
             ::sendto(socket.get(), junk.data(), junk.size(), MSG_NOSIGNAL, to.get(), to.length);
-        std::this_thread::sleep_until(next);  // its pace
+        std::this_thread::sleep_until(next);
     }
 }
 
@@ -139,14 +139,14 @@ void run(const fs::path& thread, const Way& way, int clients, double seconds, Co
         crowd.emplace_back([&, i] {
             try {
                 outcomes[i] = take_part(way, i, ready, done);
-            } catch (const std::exception& error) {  // the others would wait for it for ever
+            } catch (const std::exception& error) {  // the others would wait for this one without end
                 std::fprintf(stderr, "knurl_bench_crowd: %s\n", error.what());
                 std::_Exit(1);
             }
         });
     ready.wait();
     if (way.flooded) crowd.emplace_back([&] { flood(way, done); });
-    std::this_thread::sleep_for(300ms);  // not counted: the cost of their connecting
+    std::this_thread::sleep_for(300ms);  // the cost of connecting is not counted
     knurl::Client watcher = knurl::Client::connect("knurl:default", {.wait = 20s});
     knurl::Observer observer = watcher.observe();
     const auto begun = std::chrono::steady_clock::now();
@@ -154,7 +154,7 @@ void run(const fs::path& thread, const Way& way, int clients, double seconds, Co
     double elapsed = 0, servo_before = ran(thread), bridge_before = bridge_ran();
     std::uint64_t cycle_before = observer.latest() ? observer.latest()->cycle : 0;
     while (elapsed < seconds) {
-        std::this_thread::sleep_for(std::chrono::duration<double>(window));  // so long is one window
+        std::this_thread::sleep_for(std::chrono::duration<double>(window));
         const auto report = observer.latest();
         const double servo_now = ran(thread), bridge_now = bridge_ran();
         const double now = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
@@ -222,8 +222,8 @@ int main(int argc, char** argv) try {
     }
     if (!json.empty()) knurl::measure::require_writable(json);
     const ServoProcess servo;
-    knurl::Client::connect("knurl:default", {.wait = 20s});  // it is there
-    // With one key in it the bridge's file is its owner's too.
+    knurl::Client::connect("knurl:default", {.wait = 20s});  // returns once the servo listens
+    // A file with one key serves both the bridge and the key's owner.
     const std::string key = keys ? (servo.socket().parent_path() / "bridge.keys").string() : "";
     if (keys) knurl::bridge::add_key(key, knurl::bridge::make_key("crowd", knurl::bridge::Role::control));
     const BridgeProcess bridge(keys ? std::vector<std::string>{"--keys", key}

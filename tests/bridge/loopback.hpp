@@ -1,5 +1,5 @@
 #pragma once
-// Sockets on this host's own address, at any free port.
+// Sockets at this host's loopback address, at any free port.
 
 #include <cstdint>
 
@@ -28,7 +28,7 @@ inline shm::UniqueFd bound(int type, std::uint16_t port = 0) {
     return fd;
 }
 
-/// At another of this host's addresses: 127.0.0.2 stands for another host's.
+/// A socket at another loopback address, such as 127.0.0.2, which represents another host.
 inline shm::UniqueFd bound_at(const char* host, int type = SOCK_DGRAM) {
     shm::UniqueFd fd(::socket(AF_INET, type | SOCK_CLOEXEC, 0));
     sockaddr_in address = loopback(0);
@@ -44,7 +44,7 @@ inline std::uint16_t port_of(const shm::UniqueFd& fd) {
     return ntohs(address.sin_port);
 }
 
-/// A connection to that port from another of this host's addresses.
+/// A connection to that port from another loopback address.
 inline shm::UniqueFd dial_from(const char* host, std::uint16_t port) {
     shm::UniqueFd fd = bound_at(host, SOCK_STREAM);
     const sockaddr_in to = loopback(port);
@@ -52,7 +52,7 @@ inline shm::UniqueFd dial_from(const char* host, std::uint16_t port) {
     return fd;
 }
 
-/// A connection to that port, under way at least where `type` says SOCK_NONBLOCK.
+/// A connection to that port. With SOCK_NONBLOCK in `type` it may still be in progress.
 inline shm::UniqueFd dial(std::uint16_t port, int type) {
     shm::UniqueFd fd(::socket(AF_INET, type | SOCK_CLOEXEC, 0));
     const sockaddr_in to = loopback(port);

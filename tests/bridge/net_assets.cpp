@@ -1,5 +1,5 @@
-// Assets in transfer, each end alone: how much of one may be under way, and what the bridge does with what
-// arrives.
+// Assets in transfer, each end alone: how much data may be under way, and what the bridge does with the
+// pieces that arrive.
 
 #include <cstring>
 #include <deque>
@@ -22,7 +22,7 @@ namespace {
 
 // ------------------------------------------------------------------------------------------- the window
 
-/// Pieces over a link with a queue in front, in its own time.
+/// A link with a queue in front, simulated in its own time.
 struct Path {
     double rate = 0;             // bytes/s
     std::int64_t round_trip_ns;  // without the queue
@@ -166,7 +166,7 @@ struct AssetReceiving : testing::Test {
     bool cancel(std::uint64_t ticket) {
         return receiver->cancel(bytes_of(AssetTicket{.ticket = ticket}), why) && after_servo();
     }
-    /// What the servo is asked for, it answers at once.
+    /// The servo answers every request at once.
     bool after_servo() {
         while (awaited.waits()) {
             awaited.errand()->run();
@@ -301,7 +301,7 @@ TEST_F(AssetReceiving, what_is_called_off_is_called_off_at_the_servo) {
     EXPECT_FALSE(door->ended);
     EXPECT_TRUE(cancel(2));
     EXPECT_TRUE(door->ended);
-    // And when it is ready already, but its owner has not heard of it.
+    // The asset is already ready, but its owner has not received the answer.
     ASSERT_EQ(deliver(3, 1, some), "ready");
     EXPECT_TRUE(cancel(3));
     EXPECT_EQ(door->forgotten, std::vector<std::uint32_t>{1});

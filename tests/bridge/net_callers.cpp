@@ -1,4 +1,4 @@
-// How often callers of one host are heard, and which one gives way when too many wait.
+// How often callers of one host are admitted, and which one is dropped when too many wait.
 
 #include <algorithm>
 #include <memory>
@@ -27,7 +27,7 @@ sockaddr_storage host(std::uint32_t number) {
 
 struct Callers : testing::Test {
     CallerRate rate;
-    /// How many of so many calls from that host are heard, from `now` on, at that interval.
+    /// How many of `calls` calls from that host are admitted, from `now` on, at that interval.
     std::int64_t heard(std::uint32_t number, int calls, std::int64_t interval_ns) {
         std::int64_t count = 0;
         for (int i = 0; i < calls; ++i, now += interval_ns) count += rate.allows(host(number), now) ? 1 : 0;
@@ -75,7 +75,7 @@ struct Waiting : testing::Test {
         static const auto context = TlsContext::server({make_key("lab", Role::control)});
         room->at(seat)->tls.emplace(context, room->at(seat)->socket.get());
     }
-    /// Seats, in their order.
+    /// Drops all callers, and returns their seats in the order in which they leave.
     std::vector<std::size_t> leave_all() {
         std::vector<std::size_t> order;
         while (!room->empty()) {

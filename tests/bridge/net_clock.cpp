@@ -13,14 +13,14 @@ namespace {
 using Ns = std::int64_t;
 constexpr double ms = 1e6, s = 1e9;  // in ns
 
-/// Another host's clock and the path to it, by a seed.
+/// Another host's clock and the path to it; a seed determines both.
 struct World {
     explicit World(unsigned seed) : random(seed) {}
 
     double offset = 0;                                         // ns at local time 0
     double drift = 0;                                          // s/s
     double wander = 0;                                         // s/s peak, a sine of 7 s
-    double forth = 0.1 * ms, back = 0.1 * ms;                  // the shortest ways
+    double forth = 0.1 * ms, back = 0.1 * ms;                  // the shortest delays
     double forth_jitter = 0.05 * ms, back_jitter = 0.05 * ms;  // means of exponential tails
     double loss = 0;
 
@@ -46,7 +46,7 @@ struct World {
     std::mt19937_64 random;
 };
 
-/// ns by which the truth lies outside the stated interval: 0 or less is right.
+/// ns by which the truth is outside of the stated interval; 0 or less is right.
 double outside(const ClockEstimate& estimate, const World& world, double now) {
     const Ns t = World::floor(now);
     return std::abs(static_cast<double>(estimate.offset_at(t)) - world.truth(now)) -
@@ -91,11 +91,11 @@ TEST(ClockEstimate, StatesNothingButTheTruthWhateverTheWayDoes) {
             double end = 0;
             const bool came = world.exchange(estimate, t, &end);
             if (!estimate.known()) continue;
-            // The test's own arithmetic resolves offsets of 1e16 ns to 2 ns.
+            // The test's arithmetic resolves offsets of 1e16 ns only to 2 ns.
             ASSERT_LE(outside(estimate, world, end), 4) << "seed " << seed << " exchange " << i;
             ASSERT_LE(outside(estimate, world, end + uniform(0, 1) * s), 4)
                 << "seed " << seed << " exchange " << i;
-            // The test's 4 ns over the 10 ms that lie between two exchanges at least.
+            // The test's error of 4 ns, over the 10 ms that are at least between two exchanges.
             if (came) {
                 ASSERT_LE(std::abs(estimate.drift() - world.rate(end)),
                           estimate.drift_uncertainty() + 4 / (10 * ms))
@@ -115,8 +115,8 @@ TEST(ClockEstimate, IsTightOnAQuietNetwork) {
         double end = 0;
         for (int i = 0; i < 100; ++i) world.exchange(estimate, (1000 + 100 * i) * ms, &end);
         const Ns now = World::floor(end);
-        // Paths take at least 0.1 ms: that remains, plus the drift's wander over 6 s (12 us); the estimate
-        // itself is far better.
+        // Paths take at least 0.1 ms, which remains uncertain, plus the drift's wander over 6 s (12 us). The
+        // estimate itself is much more accurate.
         EXPECT_LT(static_cast<double>(estimate.uncertainty(now)), 0.14 * ms) << "seed " << seed;
         EXPECT_LT(std::abs(static_cast<double>(estimate.offset_at(now)) - world.truth(end)), 0.02 * ms)
             << "seed " << seed;
@@ -142,7 +142,7 @@ TEST(ClockEstimate, OneSlowDirectionWidensTheBoundByItsShortestWayOnly) {
 TEST(ClockEstimate, AllowsForADriftThatWanders) {
     World world(8);
     world.drift = 50e-6;
-    world.wander = 1e-6;  // 1 us to and fro within 7 s: more than the way's 0.2 us would allow
+    world.wander = 1e-6;  // 1 us back and forth within 7 s: more than the path's 0.2 us would allow
     world.forth = world.back = 200;
     world.forth_jitter = world.back_jitter = 0;
     ClockEstimate estimate;

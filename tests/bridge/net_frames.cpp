@@ -117,7 +117,7 @@ TEST_P(Frames, ToAReaderThatHasStoppedAreBounded) {
     EXPECT_TRUE(pair.client.wants_write());
     EXPECT_EQ(pair.client.state(), FrameStream::State::open)
         << "to close it or to wait is the caller's to say";
-    // It was not the end: once the reader reads, all accepted frames arrive.
+    // The connection is still usable: once the reader reads, all accepted frames arrive.
     int received = 0;
     EXPECT_TRUE(serve({&pair.client, &pair.server}, [&] {
         for (const Received& frame : take_all(pair.server)) received += frame.payload == payload;
@@ -177,8 +177,8 @@ TEST_P(Frames, AreNotAllocatedOneByOne) {
     const std::int64_t blocks = openssl_blocks();
     for (int i = 0; i < 1000; ++i) carry();
     EXPECT_EQ(allocations() - before, 0u);
-    // OpenSSL 3.0 makes and frees four notes of 40 bytes for each record; this cannot be prevented, and
-    // nothing stays.
+    // OpenSSL 3.0 allocates and frees four blocks of 40 bytes for each record. This cannot be prevented, but
+    // none of them remains.
     EXPECT_LE(openssl_allocations() - openssl, GetParam() ? 4000u : 0u);
     EXPECT_EQ(openssl_blocks(), blocks);
 }

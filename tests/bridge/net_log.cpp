@@ -1,5 +1,5 @@
-// The bridge's log: connections are always visible, and a peer that is refused again and again costs one line
-// a minute.
+// The bridge's log: it has every connection, but only one line a minute for a peer that is refused
+// repeatedly.
 
 #include <string>
 #include <vector>

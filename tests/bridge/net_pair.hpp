@@ -42,7 +42,7 @@ inline std::string text_of(std::span<const std::byte> bytes) {
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-/// A frame as it lies on the wire.
+/// A frame in its form on the wire.
 inline std::string wire_frame(std::uint32_t bytes, std::string_view payload, std::uint16_t type = 7,
                               std::uint16_t stream = 0) {
     const FrameHeader header{.bytes = bytes, .type = type, .stream = stream};
@@ -87,7 +87,7 @@ inline bool is_closed(const FrameStream& stream) {
     return stream.state() == FrameStream::State::closed;
 }
 
-/// Both ends as streams; with a key where there are contexts.
+/// Both ends as streams; with TLS and a key if contexts are given.
 struct Pair {
     explicit Pair(std::shared_ptr<const TlsContext> client_tls = nullptr,
                   std::shared_ptr<const TlsContext> server_tls = nullptr,

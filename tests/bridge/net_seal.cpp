@@ -1,4 +1,4 @@
-// Sealed datagrams: what the peer sent, to the last bit and once, or nothing.
+// Sealed datagrams: opening one gives exactly what the peer sent, and only once, or nothing.
 
 #include <random>
 

@@ -1,5 +1,5 @@
 #pragma once
-// The servo's end of one claim of a peer; the test plays its servo.
+// The bridge's end of one claim of a peer; the test takes the part of the servo.
 
 #include <deque>
 
@@ -93,7 +93,8 @@ struct Stream : testing::Test {
         out.flush();
         return good;
     }
-    /// All that arrived, up to an empty one from here: a busy kernel may deliver after send() has returned.
+    /// All that arrived, up to an empty datagram sent here, since a busy kernel may deliver after send()
+    /// returns.
     std::vector<Came> datagrams() {
         std::vector<Came> all;
         std::array<std::byte, datagram_bytes> bytes;

@@ -1,4 +1,4 @@
-// Who is admitted, who is not, and each side's message about it.
+// Which peers are admitted, which are refused, and each side's message about it.
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
@@ -17,7 +17,7 @@ Key key_of(std::string name, int secret) {
     return key;
 }
 
-/// Until both ends are open or closed.
+/// Serves both ends until each is open or closed.
 void settle(Pair& pair) {
     const auto settled = [](const FrameStream& s) { return s.state() != FrameStream::State::handshaking; };
     EXPECT_TRUE(serve({&pair.client, &pair.server}, [&] {
@@ -171,7 +171,7 @@ TEST(Tls, ADamagedByteEndsTheConnectionAndNothingOfItIsGiven) {
     Sockets left = connected_sockets(), right = connected_sockets();
     FrameStream client(std::move(left.client), false, TlsContext::client(key));
     FrameStream server(std::move(right.server), true, TlsContext::server({key}));
-    // The test is the wire between them.
+    // The test carries the bytes between the two ends.
     const auto carry = [](int from, int to, bool damage) {
         std::array<char, 4096> bytes;
         const ssize_t got = ::recv(from, bytes.data(), bytes.size(), MSG_DONTWAIT);

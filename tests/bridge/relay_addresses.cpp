@@ -1,4 +1,4 @@
-// A name with several addresses, like `localhost` on many hosts, where a bridge listens at one of them.
+// A name with several addresses, like `localhost` on many hosts, of which a bridge listens at one.
 
 #include <fstream>
 #include <set>
@@ -81,8 +81,8 @@ TEST(Addresses, to_listen_at_are_tried_too_and_the_first_that_is_free_is_taken) 
     }
 }
 
-/// Occupies every second port that the kernel may choose, for UDP, at this host. Fewer than all: this user
-/// may not have so many descriptors.
+/// Occupies every second UDP port that the kernel may choose at this host. `all`: false if this user may not
+/// have that many descriptors.
 std::vector<shm::UniqueFd> half_of_the_ports_for_datagrams(const char* host, bool& all) {
     rlimit descriptors{};
     ::getrlimit(RLIMIT_NOFILE, &descriptors);
@@ -93,7 +93,7 @@ std::vector<shm::UniqueFd> half_of_the_ports_for_datagrams(const char* host, boo
     std::vector<shm::UniqueFd> taken;
     all = first > 0;
     for (int port = first; all && port <= last; ++port) {
-        if (port / 2 % 2 == 0) continue;  // of even and of odd ones: the kernel prefers one kind for bind()
+        if (port / 2 % 2 == 0) continue;  // half of the even and of the odd ports: bind() prefers one kind
         shm::UniqueFd one(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
         const Endpoint there = resolve(at(host, static_cast<std::uint16_t>(port)));
         all = one && (::bind(one.get(), there.get(), there.length) == 0 || errno == EADDRINUSE);

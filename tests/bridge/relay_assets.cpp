@@ -23,7 +23,7 @@ std::string refused(const auto& act) {
     return knurl::test::refusal_of<Error>(act);
 }
 
-/// The bytes that a library sends for it.
+/// The bytes that the library sends for that mesh.
 std::vector<std::byte> source_of(const knurl::test::MadeMesh& shape) {
     protocol::AssetSource header;
     header.vertices = shape.vertices.size();
@@ -36,15 +36,16 @@ std::vector<std::byte> source_of(const knurl::test::MadeMesh& shape) {
     return bytes;
 }
 
-// Both hold the device, and the same ball rises under the hand. In each cycle that both have seen, both have
-// the same feedback, to the last bit.
+// A local and a remote application hold the device, each with the same ball that rises under the hand. In
+// each cycle that both have seen, both have the same feedback, to the last bit.
 TEST(Assets, a_mesh_is_felt_as_on_one_box) {
     const ServoUp servo;
     KeyRing ring;
     const std::string key = ring.add("anna", Role::control);
     BridgeProcess bridge({"--keys", ring.file()});
     Client far_client = connect_to(bridge, key), near_client = Client::connect("knurl:default");
-    // Silent only after minutes: else a machine that stands still would fade only one of them.
+    // Silence begins only after minutes. Otherwise a machine that stands still might fade only one of the
+    // two.
     Claim far_hand = far_client.claim("", {.shared = true, .update_interval = 60s}),
           near_hand = near_client.claim("", {.shared = true, .update_interval = 60s});
     far_hand.arm();
@@ -99,7 +100,7 @@ TEST_F(Sent, whoever_calls_it_off_while_it_travels_has_its_number_free_again) {
     for (int i = 0; i < 5; ++i) {
         Sending sending = hand.begin_sending(triangles_of(large));
         for (int reports = 0; reports < 3 * i; ++reports) hand.next_report(1s);
-        if (const auto sent = sending.done()) hand.forget(sent->asset);  // a machine that stood still
+        if (const auto sent = sending.done()) hand.forget(sent->asset);  // if the machine stood still
     }
     // Several at once, more than may be under way: each gets through in its turn.
     std::vector<Sending> sendings;
@@ -166,7 +167,7 @@ TEST_F(Sent, a_large_one_costs_nobody_a_report_nor_an_update) {
     EXPECT_TRUE(hand.wait_applied(hand.commit(), 10s));
 }
 
-// Byte by byte.
+/// A peer that speaks the protocol by itself, so that it can break it.
 struct Stranger : Sent {
     Bystander bystander{bridge};
     std::optional<FrameStream> stream;
@@ -203,7 +204,7 @@ TEST_F(Stranger, half_a_mesh_and_no_more_harms_nobody) {
     std::uint32_t id = attach();
     offer(id, 1, 1, whole.size());
     pieces(id, 1, half);
-    bystander.expect_well();  // it is slow, or stuck
+    bystander.expect_well();  // the stranger sends nothing more for now
     send(*stream, FrameType::asset_cancel, AssetTicket{.ticket = 1}, static_cast<std::uint16_t>(id));
     offer(id, 2, 1, whole.size());
     pieces(id, 2, half);

@@ -53,7 +53,7 @@ class OtherClock {
     OtherClock& operator=(const OtherClock&) = delete;
 
     const std::string& why() const { return why_; }  // the reason why there is none; empty: there is one
-    /// Puts this process in it too, from here on; before it has any threads.
+    /// Moves this process into it as well. Must be called before the process has threads.
     void enter() const {
         const shm::UniqueFd space(::open("/proc/self/ns/time_for_children", O_RDONLY | O_CLOEXEC));
         ASSERT_EQ(::setns(space.get(), CLONE_NEWTIME), 0) << std::strerror(errno);

@@ -142,17 +142,17 @@ TEST(Counts, a_path_is_as_wide_as_what_comes_through) {
     EXPECT_EQ(mtu.bytes(), least_datagram_bytes);
     mtu.came_through(datagram_bytes - 1);
     EXPECT_EQ(mtu.bytes(), least_datagram_bytes);
-    mtu.came_through(std::numeric_limits<std::uint64_t>::max());  // whoever lies
+    mtu.came_through(std::numeric_limits<std::uint64_t>::max());  // a peer that lies
     EXPECT_EQ(mtu.bytes(), datagram_bytes);
     mtu.refused();
     EXPECT_EQ(mtu.bytes(), least_datagram_bytes);
-    mtu.came_through(datagram_bytes);  // before that
+    mtu.came_through(datagram_bytes);  // a report from before the refusal
     EXPECT_EQ(mtu.bytes(), least_datagram_bytes);
-    mtu.came_through(least_datagram_bytes);  // no longer of before
+    mtu.came_through(least_datagram_bytes);  // the first report from after the refusal
     EXPECT_EQ(mtu.bytes(), least_datagram_bytes);
     mtu.came_through(datagram_bytes);
     EXPECT_EQ(mtu.bytes(), datagram_bytes);
-    mtu.came_through(least_datagram_bytes);  // long ones are dropped without a word since then
+    mtu.came_through(least_datagram_bytes);  // since then long datagrams are silently dropped
     EXPECT_EQ(mtu.bytes(), least_datagram_bytes);
 }
 
@@ -169,7 +169,7 @@ TEST(Counts, what_came_through_is_forgotten_when_nothing_of_that_length_comes_fo
     }
     EXPECT_EQ(longest.bytes(begin + 20 * second), 0U) << "silence";
     longest.came(1200, begin + 21 * second);
-    longest.came(760, begin + 20 * second);  // a clock that was read before, by another thread
+    longest.came(760, begin + 20 * second);  // with an older time, which another thread has read
     EXPECT_EQ(longest.bytes(begin + 21 * second), 1200U);
 }
 

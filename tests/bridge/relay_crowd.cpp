@@ -1,4 +1,4 @@
-// Hosts that only call keep no owner of a key out, whatever they send that needs no key.
+// Hosts that call without a key do not keep the owner of a key out, whatever they send.
 
 #include <functional>
 #include <thread>
@@ -11,11 +11,11 @@ namespace knurl::bridge::test {
 namespace {
 
 constexpr std::size_t hosts = 200;
-// More than there are seats for.
+// More than the waiting room has seats.
 constexpr std::size_t calls = 3 * hosts;
 static_assert(calls > WaitingRoom::seats);
 
-/// The first message of an owner of that key, as it is on the wire.
+/// The first message of the key's owner, as it is on the wire.
 std::vector<std::byte> recorded_hello(const std::string& key_file) {
     const shm::UniqueFd listener = bound(SOCK_STREAM);
     EXPECT_EQ(::listen(listener.get(), 1), 0);

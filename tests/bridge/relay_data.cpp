@@ -1,5 +1,5 @@
-// The data channel's two ends, with a network between them that loses, doubles and reorders: what must hold
-// whatever it does. No sockets; a seed says what happened.
+// The data channel's two ends, with a network between them that loses, doubles and reorders datagrams:
+// properties that always hold. No sockets; a seed determines each run.
 
 #include <algorithm>
 #include <deque>
@@ -18,15 +18,15 @@ namespace {
 
 constexpr std::uint32_t slots = 39;
 constexpr std::uint32_t param_bytes = 88;
-constexpr std::uint32_t geometry_bytes = 24;  // of them, at the front: what an entry may bring alone
-// bytes of a batch in a datagram, without a key and with one
+constexpr std::uint32_t geometry_bytes = 24;  // the first of them: an entry may consist of these alone
+// Bytes of a batch in a datagram, without a key and with one.
 constexpr std::size_t wide = 1136, narrow = 1104;
-// All of them may be pending at once, and even so no batch goes by TCP.
+// Even with all slots pending at once, no batch needs TCP.
 static_assert(sizeof(protocol::BatchHeader) + slots * (sizeof(protocol::EntryHeader) + param_bytes) <=
               max_pieces * narrow);
 
-/// The servo's rule: newer versions win, of representations that are there; what lies behind a geometry that
-/// comes alone stays.
+/// The servo's rule: newer versions win, for representations that exist. If only the geometry arrives, the
+/// parameters after it stay.
 struct Scene {
     std::array<std::uint64_t, slots> version{}, value{}, material{};
     std::uint64_t sequence = 0;
@@ -148,13 +148,13 @@ TEST(Data, after_any_losses_the_newest_of_everything_is_there) {
     }
 }
 
-/// A batch of that many bytes, each of them its number.
+/// A batch of that many bytes, each of which is the batch's number.
 struct Sent {
     std::uint64_t sequence;
     std::vector<std::byte> bytes;
     Sent(std::uint64_t number, std::size_t size) : sequence(number), bytes(size, std::byte(number)) {}
 };
-/// Its `piece`-th of so many, into the assembly; what came out.
+/// Puts one of a batch's pieces into the assembly. Returns the batch if it is complete.
 std::span<const std::byte> land(BatchAssembly& assembly, const Sent& batch, std::uint8_t piece,
                                 std::uint8_t pieces) {
     const std::size_t each = (batch.bytes.size() + pieces - 1) / pieces;
@@ -170,7 +170,7 @@ bool is(std::span<const std::byte> whole, const Sent& batch) {
 }
 
 TEST(Data, a_batch_that_was_whole_is_never_given_again_however_it_is_cut) {
-    // Once more after the path has turned out to be narrower: it must renew nobody's claim.
+    // It comes again after the path has become narrower, and must not renew the claim.
     BatchAssembly assembly;
     const Sent batch(1, 600);
     EXPECT_TRUE(is(land(assembly, batch, 0, 1), batch));
@@ -197,7 +197,7 @@ TEST(Data, an_older_batch_between_the_pieces_of_a_newer_one_changes_nothing) {
 }
 
 TEST(Data, a_batch_with_a_hole_is_none) {
-    // Pieces of a peer that lies: all are here, and do not make up what they promise.
+    // Pieces of a peer that lies: all have arrived, but they do not add up to the stated length.
     BatchAssembly assembly;
     const std::vector<std::byte> bytes(100);
     EXPECT_TRUE(
@@ -314,7 +314,7 @@ TEST(Data, commands_keep_within_the_ring_until_their_answers_are_read) {
     ASSERT_TRUE(unanswered.next(answer));
     EXPECT_FALSE(answer.removed) << "refused";
     EXPECT_FALSE(unanswered.next(answer));
-    for (int i = 0; i < 100; ++i) unanswered.answered({.command = 9});  // that nobody asked for
+    for (int i = 0; i < 100; ++i) unanswered.answered({.command = 9});  // no such command was sent
     int taken = 0;
     while (unanswered.next(answer)) ++taken;
     EXPECT_EQ(taken, 2) << "as many as were sent";
@@ -322,7 +322,7 @@ TEST(Data, commands_keep_within_the_ring_until_their_answers_are_read) {
 }
 
 TEST(Data, a_removal_is_done_when_its_own_answer_says_so) {
-    // An answer to a later command: the one before it was malformed, and the servo did nothing of it.
+    // Only a later command is answered: the one before it was malformed, so the servo did not execute it.
     Unanswered unanswered(8);
     std::array<std::byte, shm::cell_bytes> command{};
     for (const std::uint64_t n : {1u, 2u}) {

@@ -1,5 +1,5 @@
-// What the servo has to be asked for (a shape that has come, one that is forgotten, a claim) is a way there
-// and back. The bridge's one thread waits for none of them, and each peer has one of them at a time.
+// Requests to the servo (to build a shape, to forget one, to grant a claim) take a round trip. The bridge's
+// only thread waits for none of them, and each peer has one request at a time.
 
 #include <atomic>
 #include <functional>
@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::size_t tiny = 40;  // bytes
 
-/// Offers one, sends all of it, and calls it off.
+/// Offers an asset, sends all of it, and cancels it.
 void offer_and_call_off(FrameStream& stream, std::uint16_t id, std::uint64_t ticket) {
     const std::array<std::byte, tiny> bytes{};
     const AssetPiece header{.ticket = ticket, .offset = 0};
@@ -38,7 +38,7 @@ Attach shared_claim() {
     return message;
 }
 
-/// A peer of a bridge whose rounds are made here, and which hears of an answer in the round after.
+/// A peer of a bridge whose rounds the test runs; the peer sees the servo's answer in the next round.
 struct ByRounds : testing::Test {
     ServoUp servo_{{"--device", "one=sim:cartesian3", "--device", "two=sim:cartesian3"}};
     const std::string name = "default";
@@ -103,11 +103,11 @@ TEST_F(ByRounds, of_many_tiny_shapes_of_one_peer_one_is_passed_on_in_each) {
     EXPECT_GE(rounds, many);
 }
 
-// The other ways to ask.
+// The other kinds of request.
 TEST_F(ByRounds, claims_are_one_in_each_too_and_what_asks_for_nothing_goes_at_once) {
     constexpr int many = 10;
     for (int i = 0; i < many; ++i) send(*stream, FrameType::attach, shared_claim());
-    // Pieces of one that is not complete: no question to the servo.
+    // Pieces of an incomplete asset cause no request to the servo.
     send(*stream, FrameType::asset_offer, AssetOffer{.ticket = 1, .bytes = 10 * tiny, .number = 1},
          static_cast<std::uint16_t>(id));
     for (std::uint64_t i = 0; i < 9; ++i) {
@@ -133,7 +133,7 @@ TEST_F(ByRounds, claims_are_one_in_each_too_and_what_asks_for_nothing_goes_at_on
     EXPECT_EQ(types, expected);
 }
 
-// As above, and the servo stands still meanwhile.
+// As above, but the servo is stopped.
 TEST_F(ByRounds, no_round_waits_for_a_servo_that_stands_still) {
     servo_.stop();
     send(*stream, FrameType::attach, shared_claim());
@@ -172,10 +172,10 @@ TEST_F(ByRounds, a_claim_for_which_nobody_waits_any_more_is_not_kept) {
     }));
 }
 
-/// What a peer of a real bridge asks of a servo that stands still.
+/// A request of a real bridge's peer, while the servo is stopped.
 struct Asking {
     const char* what;
-    FrameType answer;  // of the bridge, when the servo has not answered
+    FrameType answer;  // the bridge's, when the servo does not answer
     std::function<void(FrameStream&)> before, ask;
 };
 void PrintTo(const Asking& asking, std::ostream* out) {
@@ -197,8 +197,8 @@ const Asking askings[] = {
 
 struct AtAStoppedServo : testing::TestWithParam<Asking> {};
 
-// An answer to a ping needs no servo. Many of them come while another peer waits; one or two could come where
-// the bridge itself waits, before its wait and just after.
+// The bridge answers a ping without the servo. Many answers must come while another peer waits. If the
+// bridge itself waited, one or two could still come: just before its wait and just after.
 TEST_P(AtAStoppedServo, one_peer_waits_and_the_others_do_not) {
     ServoUp servo;
     BridgeProcess bridge;
@@ -227,15 +227,15 @@ TEST_P(AtAStoppedServo, one_peer_waits_and_the_others_do_not) {
 INSTANTIATE_TEST_SUITE_P(Asked, AtAStoppedServo, testing::ValuesIn(askings),
                          [](const auto& each) { return std::string(each.param.what); });
 
-// A process of the servo's host that takes all half-open places of the servo's door, and again as soon as it
-// has lost them.
+// A process on the servo's host takes all places for half-open connections at the servo, and takes them
+// again as soon as it has lost them.
 TEST(Errands, of_peers_who_cannot_reach_the_servo_keep_nobody_else_waiting) {
     KNURL_NEEDS(knurl::test::missing_second_processor());
     const ServoUp servo;
     BridgeProcess bridge;
     Bystander bystander(bridge);
     std::jthread door([&](const std::stop_token& stop) {
-        std::vector<shm::UniqueFd> sockets(64);  // 16 half-open ones, and a queue of those who will be
+        std::vector<shm::UniqueFd> sockets(64);  // 16 are half-open, the others wait for such a place
         while (!stop.stop_requested()) {
             for (shm::UniqueFd& socket : sockets)
                 if (!stop.stop_requested() && (!socket || hung_up(socket, 0)))
@@ -261,10 +261,10 @@ TEST(Errands, of_peers_who_cannot_reach_the_servo_keep_nobody_else_waiting) {
     bystander.expect_well();
 }
 
-/// Rounds; one that was served to its end in each had thousands of them done in one.
+/// Rounds. A peer whose requests were all served within one round had thousands of them done.
 constexpr std::uint64_t most_meanwhile = 100;
 
-/// Sends tiny shapes as fast as the bridge takes them, for as long as it lives.
+/// Sends tiny shapes as fast as the bridge takes them, during its lifetime.
 class Flood {
   public:
     explicit Flood(const BridgeProcess& bridge) : stream_(dial(bridge), false) {
@@ -301,7 +301,8 @@ class Flood {
     std::thread thread_;
 };
 
-// How long an update takes is counted in what the flood got done meanwhile: one in each round, as above.
+// The duration of an update is measured by the requests that the flood completes meanwhile: one per round,
+// as above.
 TEST(Errands, two_that_flood_the_bridge_with_tiny_shapes_keep_nobody_waiting) {
     KNURL_NEEDS(knurl::test::missing_second_processor());
     const ServoUp servo;

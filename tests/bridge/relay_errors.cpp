@@ -1,4 +1,4 @@
-// What each mistake is answered with, at the end that can mend it.
+// The message for each mistake, at the end that can correct it.
 
 #include <thread>
 
@@ -78,12 +78,12 @@ TEST(Mistakes, something_else_that_listens_there_is_no_bridge) {
         }
         ::close(peer);
     });
-    // Patient for one that starts, but one call is all that the other program answers.
+    // The client waits for a bridge that may be starting; the other program answers only one call.
     const Error error = refusal([&] { Client::connect(address, {.wait = 20s}); });
     EXPECT_EQ(error.kind, Error::Kind::incompatible) << error.what();
     says(error.what(), "is no knurl-bridge of this version; is that its port (4096");
     other.join();
-    // One that accepts and says nothing is waited for, and not for ever.
+    // The client waits for a program that accepts and sends nothing, but not without end.
     const Error mute = refusal([&] { Client::connect(address, {.wait = 0ms}); });
     EXPECT_EQ(mute.kind, Error::Kind::no_servo);
     says(mute.what(), "does not answer");

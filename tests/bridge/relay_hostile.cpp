@@ -1,4 +1,4 @@
-// Whoever speaks nonsense, too much, or not at all, costs the others nothing.
+// Peers that send nonsense, too much, or nothing do not disturb the others.
 
 #include <chrono>
 #include <random>
@@ -32,18 +32,18 @@ TEST_F(Hostile, bytes_on_the_connection_end_that_connection_alone) {
         frame(static_cast<FrameType>(999), 0, nothing),
     };
     says(bridge.line(), "in, role control");
-    int host = 1;  // each from one of its own: the same of the same host is said once
+    int host = 1;  // each from a host of its own, since the log has the same line of one host only once
     for (const auto& bytes : openings) {
         const shm::UniqueFd fd = dial_from(("127.0.0." + std::to_string(++host)).c_str(), bridge.port());
         put(fd, bytes);
         EXPECT_TRUE(hung_up(fd));
-        says(bridge.line(), "not let in: ");  // for what it said, not for its silence
+        says(bridge.line(), "not let in: ");  // because of its message, not after a timeout
         bystander.expect_well();
     }
     for (int i = 0; i < 60; ++i) {
         std::vector<std::byte> bytes(1 + random() % 2000);
         for (auto& byte : bytes) byte = static_cast<std::byte>(random());
-        if (random() % 2 == 0) {  // behind a good hello
+        if (random() % 2 == 0) {  // after a valid hello
             const auto good = frame(FrameType::hello, 0, hello());
             bytes.insert(bytes.begin(), good.begin(), good.end());
         }
@@ -68,7 +68,7 @@ TEST_F(Hostile, commands_and_batches_of_no_sense_end_that_session_alone) {
             for (auto& byte : body) byte = static_cast<std::byte>(random() % 3 == 0 ? random() : 0);
             if (random() % 2 == 0) body[0] = std::byte{1};
             const auto type = static_cast<FrameType>(random() % 20);
-            if (type == FrameType::release) continue;  // what is not there is left alone
+            if (type == FrameType::release) continue;  // releasing what does not exist is no error
             stream.send(static_cast<std::uint16_t>(type), static_cast<std::uint16_t>(random() % 3), body);
         }
         const bool attached = i % 4 != 3;
@@ -85,7 +85,7 @@ TEST_F(Hostile, callers_who_never_say_who_they_are_are_dropped_after_two_seconds
     std::vector<shm::UniqueFd> silent;
     for (int i = 0; i < CallerRate::burst / 2; ++i) silent.push_back(dial(bridge));
     bystander.expect_well();
-    // Somebody good of the same host waits for none of them.
+    // A good peer on the same host does not have to wait for them.
     EXPECT_TRUE(Client::connect(bridge.address(), {.name = "test", .wait = 0ms}).connected());
     for (const shm::UniqueFd& each : silent) EXPECT_TRUE(hung_up(each));
     bystander.expect_well();
@@ -94,7 +94,7 @@ TEST_F(Hostile, callers_who_never_say_who_they_are_are_dropped_after_two_seconds
 TEST_F(Hostile, who_calls_again_and_again_is_heard_so_often_and_costs_the_others_nothing) {
     Bystander bystander(bridge);
     Hello other = hello();
-    ++other.version;  // which is answered
+    ++other.version;  // a different version is answered
     const auto call = frame(FrameType::hello, 0, other);
     const auto begin = std::chrono::steady_clock::now();
     int heard = 0;
@@ -160,7 +160,7 @@ TEST_F(Hostile, a_flood_of_datagrams_reaches_nobody) {
         while (!stop.stop_requested()) {
             for (auto& byte : bytes) byte = static_cast<std::byte>(random());
             const std::size_t size = random() % 8 == 0 ? 0 : random() % bytes.size();
-            if (random() % 2 == 0) {  // a session that there is, and any kind and stream
+            if (random() % 2 == 0) {  // an existing session, with any kind and stream
                 DatagramHeader header{.session = session, .counter = random()};
                 header.kind = static_cast<DatagramKind>(random() % 7);
                 header.stream = static_cast<std::uint8_t>(random() % 40);
@@ -184,7 +184,7 @@ TEST_F(Hostile, a_replayed_datagram_keeps_nobody_s_session_alive) {
     std::jthread replay([&](const std::stop_token& stop) {
         while (!stop.stop_requested()) {
             stranger.send(bridge.port(), datagram);
-            // Often enough that one which counted would keep the session, and no flood; nothing waits for it.
+            // Often enough to keep the session alive if one of them counted, but not a flood.
             std::this_thread::sleep_for(20ms);
         }
     });
@@ -219,7 +219,7 @@ TEST_F(Hostile, a_crowd_that_is_turned_away_is_one_line_and_hides_nobody) {
 }
 
 TEST_F(Hostile, a_peer_that_stands_still_loses_its_session_and_gets_another_when_it_goes_on) {
-    BridgeProcess other;  // stands still itself, for as long, which is none of its peers' fault
+    BridgeProcess other;  // is stopped itself for as long, for which it must not blame its peers
     int ready[2];
     ASSERT_EQ(::pipe(ready), 0);
     const pid_t application = ::fork();

@@ -1,4 +1,4 @@
-// A bridge of which nobody wants anything does nothing; its keys change while it runs.
+// A bridge without work does nothing; its keys can change while it runs.
 
 #include <csignal>
 #include <cstdio>
@@ -9,8 +9,7 @@
 namespace knurl::bridge::test {
 namespace {
 
-/// How often a thread that had nothing to do fell asleep, and ns on a CPU: of the only thread, the kernel's
-/// own counts.
+/// How often the bridge's only thread fell asleep, and its time on a CPU (ns), by the kernel's own counts.
 struct Life {
     std::uint64_t sleeps = 0, ran_ns = 0;
 };
@@ -66,7 +65,7 @@ TEST(Keys, that_are_taken_out_of_the_file_end_the_session_on_sighup) {
     says(said, "its key is not in the file any more");
     says(bridge.line(), "read again");
     ASSERT_TRUE(eventually([&] { return !going.connected(); }));
-    // By the bridge's farewell, or, once it has knocked again, by why it is not let in.
+    // The reason comes with the bridge's goodbye or, if the client has called again, with the refusal.
     says(refusal([&] { going.arm(); }).what(), "key");
     EXPECT_EQ(refused_by(bridge, anna).kind, Error::Kind::permission);
     EXPECT_TRUE(staying.next_report(10s)) << "the others notice nothing";

@@ -26,7 +26,7 @@ Bytes raw(const T& value) {
     return {bytes.begin(), bytes.end()};
 }
 
-/// A frame of any payload; `bytes`: what it says of its length.
+/// A frame of any payload; `bytes`: the length that it states.
 Bytes framed(FrameType type, std::uint16_t stream, const Bytes& payload, std::uint32_t bytes) {
     return raw(FrameHeader{.bytes = bytes, .type = static_cast<std::uint16_t>(type), .stream = stream}) +
            payload;
@@ -35,8 +35,8 @@ Bytes framed(FrameType type, std::uint16_t stream, const Bytes& payload) {
     return framed(type, stream, payload, static_cast<std::uint32_t>(payload.size()));
 }
 
-/// Takes callers at a free port, gives the n-th frame of one the n-th answer, and hangs up when there is
-/// none left. Datagrams are answered as they should be.
+/// Accepts callers at a free port, gives the n-th frame of a caller the n-th answer, and disconnects when no
+/// answer is left. Datagrams get valid answers.
 class Impostor {
   public:
     explicit Impostor(std::vector<Bytes> answers) : answers_(std::move(answers)) {
@@ -54,7 +54,7 @@ class Impostor {
     std::string address() const { return "knurl://127.0.0.1:" + std::to_string(port_of(listener_)); }
 
   private:
-    /// Until `fd` has something, echoing meanwhile. False: stop.
+    /// Waits until `fd` is readable, and answers datagrams meanwhile. False: stop.
     bool await(int fd) {
         for (;;) {
             pollfd sources[] = {{.fd = stop_.get(), .events = POLLIN, .revents = 0},
@@ -132,7 +132,7 @@ const Bytes good_welcome = welcome(1, raw(row()));
 Attached granted() {
     Attached attached;
     attached.stream = 1;
-    attached.terms.capacity = {};  // what a claim asks for that states nothing
+    attached.terms.capacity = {};  // the request of a claim without options
     return attached;
 }
 template <class Change>
@@ -161,7 +161,7 @@ void expect_refused(const Lie& lie, const std::function<void()>& call) {
     EXPECT_EQ(error.kind, lie.kind) << error.what();
     says(error.what(), lie.says);
     for (const char c : std::string(error.what())) EXPECT_TRUE(c >= ' ' && c <= '~') << error.what();
-    // It has understood, and not given up waiting.
+    // The client has understood the answer, and not given up waiting.
     EXPECT_EQ(std::string(error.what()).find("not answer"), std::string::npos) << error.what();
 }
 

@@ -1,11 +1,11 @@
-// Who may come in, and what each may do.
+// Which peers are admitted, and what each role may do.
 
 #include "relay_support.hpp"
 
 namespace knurl::bridge::test {
 namespace {
 
-/// A servo, and before it a bridge that asks for keys: one of each role there is.
+/// A servo, and in front of it a bridge that requires keys, with one key of each role.
 struct Locked {
     ServoProcess servo;
     KeyRing ring;

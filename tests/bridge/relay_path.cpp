@@ -1,5 +1,4 @@
-// What a remote application has beyond a local one: decimated reports, how old they are, how far away the
-// servo is.
+// Additional features of a remote application: decimated reports, their age, the distance to the servo.
 
 #include <algorithm>
 #include <cmath>
@@ -28,7 +27,7 @@ TEST(Path, reports_come_as_seldom_as_asked_for_and_answers_at_once) {
         gaps.push_back(next->deadline_ns - last->deadline_ns);
         last = next;
     }
-    // By the servo's own stamps; where the machine stood still one is longer, and not the median.
+    // By the servo's own time stamps. If the machine stood still, one gap is longer, but not the median.
     std::ranges::nth_element(gaps, gaps.begin() + 10);
     EXPECT_EQ(gaps[10], 20'000'000) << "50 Hz";
     EXPECT_EQ(last->missed, 0u) << "what was not asked for is not missed";
@@ -85,7 +84,7 @@ TEST(Path, a_report_s_age_is_known_within_its_uncertainty) {
     for (int i = 0; i < 200; ++i) ASSERT_TRUE(observer.next_report(10s));
     const auto report = observer.next_report(10s);
     ASSERT_TRUE(report);
-    // On one host both clocks are the same one.
+    // On one host both ends have the same clock.
     const std::int64_t before = detail::monotonic_ns() - report->read_ns;
     const Age age = observer.age(*report);
     const std::int64_t after = detail::monotonic_ns() - report->read_ns;
@@ -116,7 +115,7 @@ TEST(Path, a_batch_of_any_size_arrives_whole) {
     ServoProcess servo;
     BridgeProcess bridge;
     Client client = connect_to(bridge);
-    // From one datagram over several to what goes by TCP.
+    // Sizes from one datagram, over several, to batches that need TCP.
     for (const std::uint32_t count : {1u, 20u, 30u, 400u}) {
         Claim hand = client.claim("", {.shared = true, .representations = count});
         std::vector<Handle<ConstantForce>> forces;

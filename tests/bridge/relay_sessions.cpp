@@ -1,4 +1,4 @@
-// One session, as its own end sees it: how it begins, what it may ask for, how it ends.
+// One session, seen from its own end: how it begins, what it may request, how it ends.
 
 #include <future>
 #include <limits>
@@ -71,7 +71,7 @@ TEST_F(Sessions, that_ask_for_what_there_is_not_are_told_and_go_on) {
 }
 
 TEST_F(Sessions, get_a_stream_s_number_back_last) {
-    // What is late on its way to a stream that has ended finds no other one there.
+    // Data that arrives late for an ended stream must not reach another one.
     FrameStream stream(dial(bridge), false);
     greet(stream);
     for (std::uint32_t i = 1; i <= max_streams; ++i) {
@@ -115,7 +115,7 @@ TEST_F(Sessions, are_as_many_as_stated_and_one_that_ends_makes_room) {
     }
     std::future<bool> connected =
         std::async(std::launch::async, [&] { return connect_to(bridge).connected(); });
-    says(bridge.line_with("there are too many"), "127.0.0.1");  // it has knocked, and goes on
+    says(bridge.line_with("there are too many"), "127.0.0.1");  // it has called, and goes on trying
     const Error error = refused_by(bridge);
     EXPECT_EQ(error.kind, Error::Kind::refused);
     says(error.what(), "the bridge has 128 sessions");

@@ -1,5 +1,5 @@
 #pragma once
-// A peer that says what it likes, byte by byte.
+// A peer that can send any bytes.
 
 #include <algorithm>
 #include <optional>
@@ -17,7 +17,7 @@
 
 namespace knurl::bridge::test {
 
-/// A servo that listens already: a stranger is told so once, and does not ask again.
+/// A servo that already listens, since a stranger does not try again.
 struct ServoUp : ServoProcess {
     explicit ServoUp(std::vector<std::string> arguments = {"--device", "sim:cartesian3"})
         : ServoProcess(std::move(arguments)) {
@@ -29,7 +29,7 @@ inline shm::UniqueFd dial(const BridgeProcess& bridge, int type = SOCK_STREAM) {
     return dial(bridge.port(), type);
 }
 
-/// Until the other end has hung up. False: it has not in that time.
+/// Waits until the other end has disconnected. False: it has not in that time.
 inline bool hung_up(const shm::UniqueFd& fd, int patience_ms = 20'000) {
     char buffer[4096];
     for (;;) {
@@ -61,8 +61,8 @@ inline Hello hello() {
     return message;
 }
 
-/// The next frame of that type; those of others are passed over, but a
-/// refusal is thrown as what it says. Empty: the connection ended first.
+/// The next frame of that type. Frames of other types are skipped, but a refusal is thrown with its text.
+/// Empty: the connection ended first.
 inline std::vector<std::byte> await(FrameStream& stream, FrameType type) {
     while (stream.state() != FrameStream::State::closed) {
         stream.pump();
@@ -79,7 +79,7 @@ inline std::vector<std::byte> await(FrameStream& stream, FrameType type) {
     }
     return {};
 }
-/// The same as what it carries.
+/// The same, with the payload as a T.
 template <class T>
 T await(FrameStream& stream, FrameType type) {
     const std::vector<std::byte> payload = await(stream, type);
@@ -88,7 +88,7 @@ T await(FrameStream& stream, FrameType type) {
     if (!take(bytes, message)) throw std::runtime_error("that frame did not come");
     return message;
 }
-/// Reads on until the other end has closed it. False: it has not for 20 s.
+/// Reads until the other end has closed the stream. False: nothing has come for 20 s.
 inline bool ended(FrameStream& stream) {
     while (stream.state() != FrameStream::State::closed) {
         pollfd one{.fd = stream.fd(), .events = POLLIN, .revents = 0};
@@ -104,7 +104,7 @@ void send(FrameStream& stream, FrameType type, const T& body, std::uint16_t id =
     stream.send(static_cast<std::uint16_t>(type), id, bytes_of(body));
 }
 
-/// In, with the session's number.
+/// Sends the greeting; returns the session's number.
 inline std::uint64_t greet(FrameStream& stream) {
     send(stream, FrameType::hello, hello());
     return await<Welcome>(stream, FrameType::welcome).session;
@@ -147,9 +147,9 @@ class Pinger {
     shm::UniqueFd socket_;
 };
 
-/// A good application beside the bad ones: its reports come, its updates take effect, its session is still
-/// the first. How soon is counted in the servo's cycles, and only of most updates: on a busy machine anybody
-/// has to wait now and then.
+/// A good application beside the bad ones: its reports come, its updates take effect, and its session is
+/// still the first one. The delay is counted in the servo's cycles, and judged for most updates only, since
+/// on a busy machine each process has to wait sometimes.
 class Bystander {
   public:
     explicit Bystander(const BridgeProcess& bridge, const std::string& key = {})
@@ -171,7 +171,7 @@ class Bystander {
     }
 
   private:
-    // A commit each 20 ms, as the application of the README does, is known before the next one.
+    // An application that commits every 20 ms, like the README's, gets the answer before its next commit.
     static constexpr std::uint64_t most_cycles = 20;
 
     Client client_;

@@ -1,5 +1,5 @@
 #pragma once
-// A servo, a bridge before it, keys for those who come.
+// A servo, a bridge in front of it, and keys for its clients.
 
 #include <filesystem>
 #include <fstream>

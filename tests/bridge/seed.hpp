@@ -1,5 +1,5 @@
 #pragma once
-// What a test draws its numbers from.
+// The seed of a test's random numbers.
 
 #include <cstdint>
 #include <cstdlib>
@@ -8,7 +8,7 @@
 
 namespace knurl::bridge::test {
 
-/// Another one in each run, which a failing test prints; KNURL_SEED=N repeats that run.
+/// A different one in each run. A failing test prints it; KNURL_SEED=N repeats that run.
 inline std::uint32_t seed() {
     const char* text = std::getenv("KNURL_SEED");
     return text != nullptr ? static_cast<std::uint32_t>(std::strtoul(text, nullptr, 0))

@@ -1,4 +1,4 @@
-# Run by ctest: makes the packages and looks into them. -D: BUILD, WORK (scratch), HELP2MAN (its path, or false).
+# Run by ctest: builds the packages and checks their content. -D: BUILD, WORK (scratch), HELP2MAN (its path, or false).
 
 include(${CMAKE_CURRENT_LIST_DIR}/run.cmake)
 
@@ -6,7 +6,7 @@ file(REMOVE_RECURSE ${WORK})
 get_filename_component(programs ${CMAKE_COMMAND} DIRECTORY)
 run("cpack" ${programs}/cpack -G DEB -B ${WORK} --config ${BUILD}/CPackConfig.cmake)
 
-# holds(PACKAGE FILE ...): these lie under /usr in it, with its licence.
+# holds(PACKAGE FILE ...): the package has these files under /usr, and its licence.
 function(holds package)
     file(GLOB file ${WORK}/${package}_*.deb)
     run("list" dpkg-deb --contents ${file})
@@ -25,7 +25,7 @@ function(holds package)
     set(depends "${output}" PARENT_SCOPE)
 endfunction()
 
-# Man pages where there is what makes them.
+# Man pages, where help2man is installed.
 set(server_pages "")
 set(tools_pages "")
 if(HELP2MAN)

@@ -1,4 +1,4 @@
-# Run by scripts/deb-test in a root with nothing installed. $1: the packages, and in later/ the same of a later version.
+# Run by scripts/deb-test in a root without installed packages. $1: the packages; later/ has a later version of them.
 packages=$1
 fail() { echo "deb-test: $1" >&2; exit 1; }
 installed() {  # or removed with their configuration left
@@ -45,8 +45,8 @@ grep -q 'knurl:default' "$work/listed" || fail "knurl ls does not show the servo
 kill $servo
 wait $servo || fail "knurld ended with $?"
 
-# systemd cannot run here: a script in its place writes down what the packages ask of it. apt gives the packages' scripts a
-# PATH without /usr/local.
+# systemd cannot run here, so a script in its place notes what the packages ask of it. It is in /usr/bin, since apt runs the
+# packages' scripts with a PATH without /usr/local.
 mkdir -p /run/systemd/system /etc/systemd/system/multi-user.target.wants
 cat >/usr/bin/systemctl <<'S'
 #!/bin/sh
@@ -78,7 +78,7 @@ apt-get purge -y -qq $(installed) >/tmp/apt.log 2>&1 || { cat /tmp/apt.log; fail
 left="$(find / -xdev \( -path /proc -o -path /root -o -path /tmp -o -path /sys \) -prune -o \( -iname '*knurl*' -o -name '*haptics*' \) -print |
     grep -v '^/var/log/\|^/var/cache/' || true)"
 [[ -z "$left" ]] || fail "left behind:"$'\n'"$left"
-# (/etc/passwd- and the like are backups that userdel makes.)
+# /etc/passwd- and similar files are backups that userdel makes.
 ! grep -rIl --exclude='*-' 'knurl\|haptics' /etc || fail "left behind in these files of /etc"
 for user in knurl knurl-bridge; do ! getent passwd "$user" || fail "the user $user is left behind"; done
 ! getent group haptics || fail "the group is left behind"

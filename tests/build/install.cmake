@@ -14,7 +14,7 @@ if(NOT EXISTS ${prefix}/include/knurl/client/client.hpp)
     message(FATAL_ERROR "the client's header is not installed")
 endif()
 
-# The service names the program where it lies, and the rules and the group are there.
+# The service has the installed path of the program, and the udev rules and the group are installed.
 file(READ ${prefix}/lib/systemd/system/knurld.service unit)
 if(NOT unit MATCHES "ExecStart=${prefix}/bin/knurld --config /etc/knurl/knurld.toml")
     message(FATAL_ERROR "the unit starts something else:\n${unit}")
@@ -29,8 +29,8 @@ foreach(file lib/udev/rules.d/70-knurl.rules lib/sysusers.d/knurl.conf share/knu
     endif()
 endforeach()
 
-# Every module, found by find_package(knurl REQUIRED) and as the only component. It is found where the tree is now, so it
-# is moved first.
+# Every module, by find_package(knurl REQUIRED) and as the only component. The tree is moved first, to show that it can be
+# found at any place.
 file(RENAME ${prefix} ${WORK}/moved)
 set(prefix ${WORK}/moved)
 set(by_cmake ${WORK}/by-cmake)
@@ -46,7 +46,7 @@ if(NOT output MATCHES "nobody-listens-here")
     message(FATAL_ERROR "the program did not say which servo is missing:\n${output}")
 endif()
 
-# What cannot be had is said, with the name of what is missing.
+# A request that cannot be met is refused, with the name of what is missing.
 function(refused with components what)
     file(WRITE ${WORK}/refused/CMakeLists.txt "cmake_minimum_required(VERSION 3.25)\nproject(refused LANGUAGES CXX)\n${with}\n"
                                               "find_package(knurl REQUIRED ${components})\n")
@@ -63,7 +63,7 @@ refused("" "COMPONENTS clent" "knurl has no component clent; it has .*client")
 refused("set(CMAKE_DISABLE_FIND_PACKAGE_fmt ON)" "COMPONENTS servo" "knurl::servo needs fmt, .*libfmt-dev")
 refused("set(CMAKE_DISABLE_FIND_PACKAGE_OpenSSL ON)" "" "knurl::client needs OpenSSL, .*libssl-dev")
 
-# The programs that the READMEs show, with what the README says of CMakeLists.txt, beside a servo.
+# Builds and runs the programs of the READMEs, with the README's CMakeLists.txt, beside a servo.
 set(README ${WORK}/readme)
 run("readme.py" ${SOURCE}/readme.py extract ${README})
 file(GLOB programs ${README}/program_*.cpp)
@@ -76,7 +76,7 @@ foreach(source IN LISTS programs)
     run("configure" ${CMAKE_COMMAND} -S ${WORK}/simulation -B ${WORK}/simulation/build -G ${GENERATOR}
         -DCMAKE_CXX_COMPILER=${CXX} "-DCMAKE_CXX_FLAGS=${FLAGS}" -DCMAKE_PREFIX_PATH=${prefix})
     run("build" ${CMAKE_COMMAND} --build ${WORK}/simulation/build)
-    # Line by line: at a semicolon CMake would end the text for sh.
+    # One command a line, since CMake would end the argument at a semicolon.
     run("${source}" sh -c "${prefix}/bin/knurld --device right=sim:premium15 >/dev/null 2>&1 &
         servo=$!
         ${WORK}/simulation/build/my_simulation
@@ -90,7 +90,7 @@ foreach(source IN LISTS programs)
     file(REMOVE_RECURSE ${WORK}/simulation)
 endforeach()
 
-# With pkg-config; and all of it static, as far as --static says what that takes.
+# With pkg-config, and once more static, with the libraries that --static names.
 set(ENV{PKG_CONFIG_PATH} ${prefix}/${LIBDIR}/pkgconfig)
 run("pkg-config" pkg-config --cflags --libs knurl)
 separate_arguments(found UNIX_COMMAND "${FLAGS} ${output}")
@@ -101,7 +101,7 @@ separate_arguments(found UNIX_COMMAND "${FLAGS} ${output}")
 file(GLOB_RECURSE object ${by_cmake}/all/CMakeFiles/client.dir/*.o)
 run("link with pkg-config --static" ${CXX} ${object} -o ${WORK}/by-pkg-config-static ${found})
 
-# An application links the client alone: no TOML, no libusb, nothing of the servo.
+# An application links only the client: no TOML, no libusb, nothing of the servo.
 find_program(readelf readelf REQUIRED)
 run("readelf" ${readelf} -d ${WORK}/by-pkg-config ${by_cmake}/bin/client_of_all)
 if(output MATCHES "tomlplusplus|libusb|libfmt|boost")

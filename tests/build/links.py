@@ -88,7 +88,7 @@ def mistake_of(page, target):
 
 
 def dead_links(page):
-    # As one text: what a link says may go over the end of a line. Code spans are blanked where they are no link's text.
+    # The page is one text, since a link's text may extend over several lines. Code spans are blanked, except in a link's text.
     text = re.sub(r"(?<!\[)`[^`\n]*`(?!\])", lambda span: " " * len(span[0]), "\n".join(without_code(page.read_text())))
     for link in LINK.finditer(text):
         # A picture may itself be a link.

@@ -33,7 +33,7 @@ import readme
 ROOT = readme.ROOT
 MARK = re.compile(r"\s*<!-- (file|source): (\S+) -->\s*$|\s*<!-- (run|prints) -->\s*$")
 NUMBER = re.compile(r"(?<![A-Za-z_.])[-+]?\d+(\.\d+)?(e[-+]?\d+)?")
-STAMP = re.compile(r"\d{8}T\d{6}(\.\d+)?")  # of a file's name, at any hour
+STAMP = re.compile(r"\d{8}T\d{6}(\.\d+)?")  # a time in a file's name
 ABSOLUTE = re.compile(r"(?<![\w.])(/[\w.+-]+){2,}")
 TIMEOUT = 100  # s, of one block of commands
 
@@ -150,7 +150,7 @@ def check_source(block):
     path = ROOT / block.argument
     if not path.is_file():
         return [f"{block.where}: there is no file {block.argument}"]
-    # Compared without the indentation of the first line, which an excerpt may leave out.
+    # Without the indentation of the first line, which an excerpt may leave out.
     if block.text.strip() in path.read_text():
         return []
     return [f"{block.where}: this is not in {block.argument}"]

@@ -134,7 +134,7 @@ def known_options(words, programs):
                 if asked.returncode == 0:
                     return asked.stdout
             return None
-    # Of tests and benchmarks, which need not be built: the target, and the sources beside it.
+    # Tests and benchmarks need not be built: their text is the target and the sources beside it.
     name = os.path.basename(program)
     fuzzer = re.fullmatch("knurl_fuzz_(.*)", name)
     wanted = rf"\w*fuzz\w*\({fuzzer[1]}" if fuzzer else re.escape(name)
@@ -196,7 +196,7 @@ def main():
     mistakes = extract(folder) if sys.argv[1] == "extract" else run(folder, programs)
     for mistake in mistakes:
         print(mistake, file=sys.stderr)
-    # A build goes on: which block is wrong is for the test to say.
+    # A build goes on, so that the test can report the block that is wrong.
     sys.exit(1 if mistakes and sys.argv[1] == "run" else 0)
 
 

@@ -1,4 +1,4 @@
-# run(WHAT COMMAND...): leaves what the command printed in `output`; ends the script if it fails.
+# run(WHAT COMMAND...): sets `output` to what the command printed; ends the script if the command fails.
 function(run what)
     execute_process(COMMAND ${ARGN} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE errors)
     if(NOT result EQUAL 0)

@@ -1,10 +1,12 @@
-// knurl_chaos_app MODE [SEED]: the applications that the chaos runner torments, and those that torment.
+// knurl_chaos_app MODE [ARGUMENTS]: the application that the chaos runner disturbs, and those that disturb
+// others.
 //
-//   wall [ADDRESS]  holds the hand off a wall at 50 updates a second; SIGUSR1: arms (after a reset, if
-//             need be); SIGUSR2: forks a child that ends in order. Says what it does, a numbered line each.
-//   exclusive wants the device for itself, and says how that was answered
-//   observer  reads every report until SIGTERM, then says how many it read, missed, and how many there were
-//   hostile   claims, then writes random bytes over its own segment until SIGTERM
+//   wall [ADDRESS]        renders a wall at 50 updates a second; SIGUSR1: arms (after a reset in case of a
+//                         fault); SIGUSR2: forks a child that exits normally. Prints a line for each action.
+//   exclusive             asks for an exclusive claim, and prints the answer
+//   observer              reads every report until SIGTERM, then prints how many were read, missed, published
+//   hostile SEED SOCKET   claims, then writes random bytes over its own segment until SIGTERM
+//   absurd SEED SOCKET    sends batches that are not finite, until the servo names the wrong field
 
 #include <algorithm>
 #include <array>
@@ -67,7 +69,7 @@ int wall(const std::string& address) {
             if (fork_wanted != 0) {
                 fork_wanted = 0;
                 const pid_t child = fork();
-                if (child == 0) return forks_child;  // by the destructors of a claim that is not its own
+                if (child == 0) return forks_child;  // runs the destructors of a claim that is its parent's
                 waitpid(child, nullptr, 0);
                 say("forked", child);
             }
@@ -82,7 +84,7 @@ int wall(const std::string& address) {
         } catch (const knurl::Error& error) {
             if (error.kind != knurl::Error::Kind::disconnected) throw;
         }
-        // By its own clock: over a bad network the newest report wins, and fifty that come may be a second's.
+        // The interval is timed by a clock, not by counting reports: a bad network drops many of them.
         next = std::max(next + interval, std::chrono::steady_clock::now());
         for (auto now = next - interval; leaving == 0 && now < next; now = std::chrono::steady_clock::now())
             hand.next_report(next - now);
@@ -128,7 +130,7 @@ int hostile(unsigned seed, const std::string& socket_path) {
     std::mt19937_64 random(seed);
     say("scribbling", getpid());
     while (leaving == 0) {
-        // Mostly the words that steer (the first lines of each ring), else anywhere.
+        // Mostly the control words (the first cache lines of each ring), otherwise anywhere.
         const std::size_t parts[] = {layout.waiter, layout.commands, layout.batches, layout.replies,
                                      layout.feedback};
         const std::size_t at =
@@ -139,7 +141,7 @@ int hostile(unsigned seed, const std::string& socket_path) {
     return 0;
 }
 
-/// Adds two planes, arms, and changes both in one batch: one change is good, the other is no number.
+/// Adds two planes, arms, and changes both in one batch: one change is valid, the other has an absurd number.
 int absurd(unsigned seed, const std::string& socket_path) {
     using knurl::Plane;
     const knurl::chaos::ServedClaim claim(socket_path);
@@ -149,7 +151,7 @@ int absurd(unsigned seed, const std::string& socket_path) {
     knurl::shm::TripleReader feedback(claim.memory + layout.feedback, layout.feedback_slot_bytes);
     knurl::shm::SentCount sent_count(reinterpret_cast<knurl::shm::WaiterFlag*>(claim.memory + layout.waiter));
 
-    Plane far{.offset = -1, .stiffness = 100};  // nobody feels it
+    Plane far{.offset = -1, .stiffness = 100};  // out of the hand's reach
     for (std::uint32_t slot = 0; slot < 2; ++slot) {
         struct {
             protocol::CommandHeader header;
@@ -190,7 +192,7 @@ int absurd(unsigned seed, const std::string& socket_path) {
                 .id = {slot, 1}, .kind = knurl::kind_of<Plane>, .bytes = sizeof far, .version = sent};
             batch.entry[slot].plane = far;
         }
-        // The first would be felt, were the batch taken by halves.
+        // The hand would feel the first entry if the servo applied the batch in part.
         batch.entry[0].plane.offset = 0.05;
         batch.entry[1].plane.damping = numbers[random() % 4];
         batches.publish(&batch, sizeof batch, 3);

@@ -1,12 +1,12 @@
-// knurl_chaos_attacker MODE SEED SOCKET: legal and illegal clients that take what the servo has, until SIGTERM.
-// Each says a line when it has begun.
+// knurl_chaos_attacker MODE SEED SOCKET: clients, valid and invalid ones, that exhaust the servo's resources
+// until SIGTERM. Each prints a line when it has begun.
 //
-//   holes       takes pages out of its segment, before and after it is served
-//   lingering   sends descriptors whose last close takes an hour, and hangs up
-//   waiting     says that it sleeps, for ever, and fills what it sleeps on
-//   springs     holds 16 claims with 1024 springs at the hand each
+//   holes       removes pages of its segment, before and after it is served
+//   lingering   sends descriptors whose last close takes an hour, and disconnects
+//   waiting     marks itself as asleep all the time, and never reads the socket that the wake-ups fill
+//   springs     holds 16 claims, each with 1024 springs at the hand
 //   adding      holds 14 claims, in each of which it adds and removes 256 representations without end
-//   churn       connects, claims, adds, sends a mesh now and then, releases, dies
+//   churn       connects, claims, adds, sometimes sends a mesh, disconnects, without end
 
 #include <algorithm>
 #include <chrono>
@@ -43,7 +43,7 @@ void say_once() {
     std::fflush(stdout);
 }
 
-/// Page out of the way, by every call that there is for it.
+/// Removes a page by every system call that can.
 void take_pages(RawClaim& claim, std::size_t at) {
     constexpr std::size_t page = 4096;
     constexpr int pageout = 21;
@@ -79,7 +79,7 @@ void lingering(std::mt19937& random, const std::string& socket) {
         if (!knurl::shm::send_message(claim.socket, std::as_bytes(std::span(&offer, 1)), {&fd, 1})) break;
         made.back()->let_go();
     }
-    // Ends with messages unread, sockets and all.
+    // The socket closes with messages, and so with descriptors, unread.
 }
 
 void waiting(const std::string& socket) {
@@ -99,7 +99,7 @@ void springs(const knurl::Vec3& anchor) {
         for (knurl::Claim& claim : claims) {
             try {
                 claim.add(knurl::Spring{.anchor = anchor, .stiffness = 1e-6});
-            } catch (const knurl::Error&) {  // all its places are taken, or the cycle has no time left
+            } catch (const knurl::Error&) {  // all slots are taken, or the cycle has no time left
             }
             claim.commit();
         }
@@ -117,14 +117,14 @@ void adding(const knurl::Vec3& anchor) {
             try {
                 while (held[i].size() < 256)
                     held[i].push_back(claims[i].add(knurl::Spring{.anchor = anchor, .stiffness = 1e-6}));
-            } catch (const knurl::Error&) {  // its channel is full
+            } catch (const knurl::Error&) {  // the channel is full
             }
             try {
                 while (!held[i].empty()) {
                     held[i].back().remove();
                     held[i].pop_back();
                 }
-            } catch (const knurl::Error&) {  // full, or refused, and so not there
+            } catch (const knurl::Error&) {  // the channel is full, or the spring was refused and never added
                 if (!held[i].empty()) held[i].pop_back();
             }
             claims[i].commit();
@@ -186,7 +186,7 @@ int main(int argc, char** argv) {
                 churn(random);
             else
                 return 1;
-        } catch (const std::exception&) {  // refused or hung up: that is what it wants to know
+        } catch (const std::exception&) {  // refused or disconnected, as an attacker may be
         }
         say_once();
     }

@@ -10,8 +10,8 @@ using test::Program;
 
 namespace {
 
-// N: the wall, with a hand of 200 N/m against 800 N/m, gives 1.6; how far from there it may wander when
-// nothing happens to it.
+// N: a quarter of the permitted deviation from 1.6 N, at which a hand of 200 N/m and the wall of 800 N/m are
+// in equilibrium.
 constexpr double steady = 0.25;
 
 std::string contains(const std::string& output, const std::string& part) {
@@ -110,7 +110,7 @@ void wrong_build(Stage& stage) {
 
 // -------------------------------------------------------------------------------------------- attackers
 
-/// Attackers of one kind while they live.
+/// Runs attackers of one kind during its lifetime.
 class Attack {
   public:
     Attack(Stage& stage, const std::string& mode, int count) {
@@ -208,8 +208,8 @@ void servo_stopped(Stage& stage) {
     const std::int64_t back = Stage::now();
     stage.knurld->signal(SIGCONT);
     stage.let_pass(0.6);
-    // The ramp takes 0.5 s of the servo's time, which is never ahead of the device's. It may have been
-    // stopped between working out an effort and writing it: that one goes out, no second one.
+    // The ramp takes 0.5 s of the servo's time, which is never ahead of the device's. A servo that was
+    // stopped between computing an effort and writing it still writes this one, but no second one.
     int above = 0;
     for (const Record& record : stage.device->log()) {
         const double allowed = 0.2 + 8.1 * static_cast<double>(record.t - back) * 1e-9 / 0.5;
@@ -267,7 +267,7 @@ void demand_undisturbed(Stage& stage, std::int64_t from, const std::string& by) 
 
 void demand_off_until_armed(Stage& stage, std::int64_t from, const std::string& after) {
     stage.let_pass(0.3);
-    // Later than `from`: in that very moment the last force may have been in effect still.
+    // At `from` itself the last force may still have been in effect.
     const double force = largest_force(stage.device->log(), from + 1);
     demand(force <= 0, "no force " + after + " until somebody arms, but " + std::to_string(force) + " N");
     stage.wall->signal(SIGUSR1);

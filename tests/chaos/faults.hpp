@@ -1,6 +1,6 @@
 #pragma once
-// The kinds of fault, and what Knurl promises of each. Each begins
-// and ends with a hand that feels the wall.
+// The kinds of fault, and what Knurl promises under each. Each begins and ends with a hand that feels the
+// wall.
 
 #include <memory>
 #include <random>
@@ -16,22 +16,23 @@
 
 namespace knurl::chaos {
 
-/// Thrown when a promise is broken; the runner adds the seed that shows it again.
+/// Thrown when a promise is broken; the runner adds the seed that reproduces it.
 struct Broken : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 void demand(bool so, const std::string& promise);
 
-/// A servo on a device that outlives it, an application that holds a wall, and somebody who watches.
+/// A device with a process of its own, so that it outlives the servo; a servo; an application that renders a
+/// wall; and an observer.
 class Stage {
   public:
     explicit Stage(unsigned seed);
     ~Stage();
 
-    /// Device, servo and application once more, as after construction.
+    /// Restarts device, servo and application, as after construction.
     void begin_anew();
     void start_servo();
-    /// `address`: of the servo, for the application; "": on this box.
+    /// `address`: of the servo, for the application; "": the local servo.
     void start_wall(const std::string& address = {});
     /// Waits, on the device's clock, until the hand feels the wall steadily.
     void wait_until_felt();
@@ -43,7 +44,7 @@ class Stage {
     static std::int64_t now();
     DeviceState state() const;
     std::vector<std::filesystem::path> flight_records() const;
-    /// Milliseconds between a fault and what was promised of it, for the table at the end.
+    /// Adds to the table at the end: the milliseconds from a fault until what was promised under it.
     void measured(const std::string& promise, double milliseconds);
     void print_measured() const;
 
@@ -72,9 +73,9 @@ struct Fault {
 std::span<const Fault> faults();
 std::span<const Fault> network_faults();  // of an application on another host
 
-/// The wall is felt throughout as if nothing happened.
+/// Demands that since `from` the hand has felt the wall without interruption.
 void demand_undisturbed(Stage& stage, std::int64_t from, const std::string& by);
-/// No force until somebody arms; then the application is told to.
+/// Demands that there is no force until somebody arms. Then tells the application to arm.
 void demand_off_until_armed(Stage& stage, std::int64_t from, const std::string& after);
 
 }  // namespace knurl::chaos

@@ -1,6 +1,6 @@
-// An application on another host: its network, its bridge, strangers at the bridge's door. The wall is then
-// held through the proxy of tests/bridge, mostly with a key (TLS, sealed datagrams); each fault begins and
-// ends with a hand that feels a wall of this box.
+// Faults of a remote application: of its network, of its bridge, and by strangers at the bridge. Its wall
+// goes through the network proxy of tests/bridge, mostly with a key (TLS, sealed datagrams). Each fault
+// begins and ends with a hand that feels the wall of a local application.
 
 #include <array>
 #include <atomic>
@@ -31,7 +31,8 @@ namespace {
 
 enum class Keyed : bool { no, yes };
 
-/// The bridge and the network before it; the application that holds the wall is behind both while this lives.
+/// A bridge with a simulated network in front of it. During its lifetime the application that renders the
+/// wall is connected through both.
 class Remote {
   public:
     explicit Remote(Stage& stage, const NetworkProfile& profile = {.delay = 0.002}, Keyed keyed = Keyed::yes)
@@ -62,7 +63,7 @@ class Remote {
             std::stoi(bridge->output().substr(bridge->output().find(mark) + mark.size())));
     }
     std::uint16_t port() const { return port_; }
-    /// Bytes of memory that the bridge really has.
+    /// Bytes of the bridge's resident memory.
     std::size_t resident() const {
         std::ifstream statm("/proc/" + std::to_string(bridge->pid()) + "/statm");
         std::size_t total = 0, pages = 0;
@@ -74,7 +75,8 @@ class Remote {
     std::optional<Proxy> proxy;
 
   private:
-    /// With one key in it a bridge's file is its owner's too.
+    /// A file with one key serves both as the bridge's and as the key's owner's, so the application uses the
+    /// same.
     void make_key() {
         const std::string file = stage_.home.path() / "bridge.keys";
         std::error_code none;
@@ -95,15 +97,16 @@ double share(Stage& stage) {
     return std::uniform_real_distribution<>()(stage.random);
 }
 
-/// Waits until the force is zero; how long that took stands in the table under `promise`. Returns since when
-/// (ns).
+/// Waits until the force is zero, and adds the time that this took to the table under `promise`. Returns
+/// since when it is zero (ns).
 std::int64_t gone(Stage& stage, std::int64_t from, const std::string& promise) {
     const std::int64_t zero = stage.wait_until_zero(from);
     stage.measured(promise, static_cast<double>(zero - from) * 1e-6);
     return zero;
 }
 
-/// The application finds its way back by itself; the force, which was `zero` since then, only by its owner's.
+/// Demands that the application reattaches by itself, and that the force, gone since `zero`, returns only
+/// when the application arms.
 void demand_return(Stage& stage, std::int64_t zero, const std::string& after) {
     stage.wall->wait_for_output("reattached-to " + std::to_string(stage.knurld->pid()));
     demand_off_until_armed(stage, zero, after);
@@ -131,7 +134,7 @@ void bad_network(Stage& stage) {
     demand_undisturbed(stage, from, "a network that loses, delays, doubles and reorders");
 }
 
-/// Everything comes once more, up to a second late.
+/// Each datagram arrives a second time, up to a second late.
 void replayed_datagrams(Stage& stage) {
     const Remote remote(stage, {.duplicate = 1, .reorder = 0.5, .held = 1});
     const std::int64_t from = Stage::now();
@@ -172,7 +175,7 @@ void connection_reset(Stage& stage) {
     demand_return(stage, gone(stage, from, "connection reset: zero within 60 ms"), "after a reset");
 }
 
-// ------------------------------------------------------------------------------------- what runs at its ends
+// ------------------------------------------------------------------------------- the processes at both ends
 
 void peer_killed(Stage& stage) {
     const Remote remote(stage, {.delay = 0.002}, Keyed::no);
@@ -279,7 +282,7 @@ constexpr Fault of_networks[] = {
     {"half-open peers", half_open_peers},
 };
 
-/// The wall of this box again.
+/// Ends a fault with the wall of a local application.
 template <std::size_t i>
 void and_back(Stage& stage) {
     of_networks[i].happen(stage);

@@ -35,11 +35,11 @@ std::vector<std::string> check_always(const std::vector<Record>& log, double pea
     for (const Record& record : log) {
         const double force = force_of(record);
         if (!std::isfinite(force)) wrong.push_back(line("not finite", record, force, 0));
-        // The word on the way to the device has 15 bits of effort: one of them of grace.
+        // Efforts have 15 bits on the way to the device; 0.1 % allows for their rounding.
         if (force > peak_force * (1 + 1e-3)) wrong.push_back(line("force", record, force, peak_force));
         if (last != nullptr && is_write(record) && force > force_of(*last)) {
-            // Two writes that the device saw close together can be two cycles of a late servo: `missed` + 1
-            // cycles' worth is allowed whatever the time between them.
+            // A late servo's writes may arrive close together. So the rise of `missed` + 1 cycles is allowed,
+            // whatever the time between the writes.
             const double cycles = std::max(
                 1.0 + record.missed, std::ceil(static_cast<double>(record.t - last->t) * 1e-9 / period));
             const double allowed = slew * period * (cycles + 1);

@@ -1,5 +1,5 @@
 #pragma once
-// Judges nothing but what reached the device: the efforts and the times that its own process recorded.
+// Judges only what reached the device: the efforts and the times that the device's own process recorded.
 
 #include <cstdint>
 #include <string>
@@ -12,13 +12,14 @@ namespace knurl::chaos {
 using drivers::shared_sim::Event;
 using drivers::shared_sim::Record;
 
-double force_of(const Record& record);  // N, its size
+double force_of(const Record& record);  // N, its magnitude
 inline bool is_write(const Record& record) {
     return record.event == Event::servo_write || record.event == Event::guardian_write;
 }
 
-/// What must hold always: finite; never above the device's peak; and between two writes that both arrived no
-/// step up beyond what the slew gate passes in the time, with a cycle's grace. One line per violation.
+/// Checks what must always hold: each force is finite and at most the device's peak, and between two writes
+/// that arrived it rises by at most what the slew limit allows in that time and one more cycle. Returns one
+/// line per violation.
 std::vector<std::string> check_always(const std::vector<Record>& log, double peak_force, double slew,
                                       double period);
 
@@ -29,14 +30,15 @@ std::int64_t zero_since(const std::vector<Record>& log, std::int64_t from);
 /// Largest force written at or after `from`.
 double largest_force(const std::vector<Record>& log, std::int64_t from);
 
-/// Smallest and largest force in effect from `from` on: what was written before it counts as well.
+/// Smallest and largest force in effect from `from` on: the last write before it counts as well.
 struct Span {
     double smallest = 0, largest = 0;
 };
 Span force_span(const std::vector<Record>& log, std::int64_t from);
 
-/// For a person: when the force was smallest from `from` on, who wrote that, and for how long the efforts had
-/// not changed before it (the log has changes only: the servo may well have written the same again).
+/// A description for the reader of a failure: when the force was smallest since `from`, who wrote it, and
+/// for how long the effort did not change before (the log has changes only: the servo may have repeated an
+/// effort).
 std::string how_it_fell(const std::vector<Record>& log, std::int64_t from);
 
 }  // namespace knurl::chaos

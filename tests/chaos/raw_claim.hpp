@@ -1,5 +1,5 @@
 #pragma once
-// A claim without the library, which would not let any of what the attackers do through.
+// A claim without the client library, which would refuse everything that the attackers do.
 
 #include <array>
 #include <cstddef>
@@ -38,7 +38,7 @@ struct RawClaim {
         if (mapped == MAP_FAILED) throw std::runtime_error("the claim's segment cannot be mapped");
         memory = static_cast<std::byte*>(mapped);
     }
-    /// Seals the memory, or the servo does not serve it. False: it does not.
+    /// Seals the memory, without which the servo serves no claim, and asks to be served. False: refused.
     bool begin() {
         if (fcntl(file.get(), F_ADD_SEALS, F_SEAL_FUTURE_WRITE) != 0)
             throw std::runtime_error("the claim's segment cannot be sealed");
@@ -60,7 +60,6 @@ struct RawClaim {
     std::byte* memory = nullptr;
 };
 
-/// A claim that is served.
 struct ServedClaim : RawClaim {
     explicit ServedClaim(const std::string& socket_path) : RawClaim(socket_path) {
         if (!begin()) throw std::runtime_error("the claim is not served");

@@ -1,8 +1,8 @@
-// knurl_chaos --seed N [--faults M] [--kinds local|network|NAME]: M faults in an order and with details that
-// the seed makes (0: each kind once). Ends at the first broken promise, with the seed that shows it again; a
-// fault during which the machine itself stood still is tried again, five times in all. At the end it prints
-// how long the promised things took on this machine (measured, never judged: promises are judged by cycles
-// and order of events). Faults of a USB cable and its device: tests/drivers/usb/knurld_test.cpp.
+// knurl_chaos --seed N [--faults M] [--kinds local|network|NAME]: M faults, in an order and with details
+// drawn from the seed (0: each kind once). Ends at the first broken promise, with the seed that reproduces
+// it. A fault during which the machine itself stood still is repeated, with five attempts in all. At the end
+// it prints how long the promised reactions took on this machine (never judged: promises are judged by
+// cycles and order of events). Faults of a USB cable and its device: tests/drivers/usb/knurld_test.cpp.
 
 #include <algorithm>
 #include <cstdio>
@@ -24,7 +24,7 @@ void demand(bool so, const std::string& promise) {
 }
 
 Stage::Stage(unsigned seed) : random(seed) {
-    // The watcher below finds the servo as the programs do.
+    // The observer in state() finds the servo by these variables, as the programs do.
     setenv("KNURL_RUNTIME_DIR", home.runtime().c_str(), 1);
     setenv("KNURL_STATE_DIR", home.state().c_str(), 1);
     begin_anew();
@@ -70,8 +70,8 @@ void Stage::start_wall(const std::string& address) {
     std::vector<std::string> words{"wall"};
     if (!address.empty()) words.push_back(address);
     wall = std::make_unique<test::Program>(home, KNURL_CHAOS_APP, words);
-    // Starved by the machine's other work it would be silent, and fade as it should: a fault that was not
-    // asked for. Where this is not allowed it has to take its chance.
+    // An application that other work of the machine starves becomes silent and fades: a fault that nobody
+    // asked for. Without the right to real-time priority this may happen.
     const sched_param above_others{.sched_priority = 1};
     sched_setscheduler(wall->pid(), SCHED_FIFO, &above_others);
     wait_until_felt();
@@ -151,16 +151,15 @@ std::string broken_by(const Fault& fault, Stage& stage) {
     }
 }
 
-/// For how long of the worst `window` the machine stood still since the last call, ms. Short standstills that
-/// follow each other closely are as bad as a long one: device, servo and guardian each need their turn in
-/// between.
+/// How long the machine stood still within the worst `window` since the last call, ms. Short standstills in
+/// close sequence are as bad as a long one, since device, servo and guardian each need a turn in between.
 double worst_standstill(measure::Witness& witness) {
     constexpr measure::Nanoseconds window = 60'000'000;
     return static_cast<double>(measure::stood_still(witness.gaps(), window)) * 1e-6;
 }
 
 int run(unsigned seed, std::size_t count, const std::vector<Fault>& kinds) {
-    // A servo lets go after 20 ms: what happens then is no answer to the fault.
+    // A gap of 20 ms between cycles sets the servo's gain to 0: what follows is no answer to the fault.
     constexpr double excuse = 20;  // ms
     constexpr int attempts = 5;
     constexpr int above_all = 95;  // SCHED_FIFO; without the right to it nothing is excused

@@ -1,4 +1,5 @@
-// knurld with one more driver, "shared-sim:FILE": a device that outlives it.
+// knurld with one more driver, "shared-sim:FILE": a simulated device in another process, which outlives
+// knurld.
 
 #include <knurl/servo/daemon.hpp>
 

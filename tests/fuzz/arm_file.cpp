@@ -1,5 +1,5 @@
-// Any bytes as the description of an arm: refused in one line, or an arm whose kinematics are finite where its
-// file says that it works.
+// Any bytes as the description of an arm: it is refused in one line, or its figures are valid and its
+// kinematics are finite at the stated centre.
 
 #include <cmath>
 #include <cstdint>

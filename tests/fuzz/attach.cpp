@@ -1,7 +1,7 @@
-// Any messages of clients at the servo's door: greeting, claims, mapping, release, recording. Each connection
-// gets one answer to each request or ends with a line, no more is held than was granted, and all comes back when
-// it hangs up.
-// A piece (pieces.hpp) is one message; its control byte has its type, and what is put right.
+// Any messages of clients to the broker: greeting, claims, mapping, release, recording. Each request gets
+// one answer, or the connection ends with a line. A client never holds more than it was granted, and all of
+// it is free again once the client disconnects. A piece (pieces.hpp) is one message; its control byte has
+// its type, and which parts are made valid.
 
 #include <algorithm>
 #include <csignal>
@@ -40,14 +40,14 @@ constexpr MessageType types[] = {MessageType::hello,   MessageType::claim,      
                                  MessageType{},        MessageType::asset_offer};
 constexpr unsigned type_mask = 7, right = 8, with_descriptor = 16, other_client = 32, unsealed = 64;
 
-/// The end of a client: what it was sent.
+/// The client's end of a connection, and what it has received.
 struct Client {
     shm::UniqueFd socket;
     std::vector<std::pair<protocol::Claimed, shm::Segment>> claims;
     bool greeted = false, ended = false;
 };
 
-/// A servo with two devices and its broker, for all inputs.
+/// A servo with two devices and its broker, shared by all inputs.
 class Door {
   public:
     Door() {
@@ -85,14 +85,14 @@ class Door {
         return made;
     }
 
-    /// All that is to be done now.
+    /// Does all work that is due.
     void turn() {
         require(!broker_->turn(0), "the broker goes on");
         for (Station& station : stations_)
             if (station.clients() > 0) station.step();
     }
 
-    /// Clients of both devices, as the servo says.
+    /// The servo's own count of the clients of both devices.
     std::uint64_t clients() const {
         std::uint64_t held = 0;
         for (const Station& station : stations_) held += station.clients();
@@ -142,7 +142,7 @@ std::vector<std::byte> bytes_of(const Message& message) {
     return {bytes.begin(), bytes.end()};
 }
 
-/// The message of a client that knows what to say, with the values of `bytes` where it is free.
+/// A valid message of that type, with the values of `bytes` in the fields that a client may choose.
 std::vector<std::byte> put_right(MessageType type, std::vector<std::byte> bytes, const Client& client) {
     const auto with = [&]<class Message>(Message message, auto change) {
         message.header = Message{}.header;
@@ -184,7 +184,7 @@ std::vector<std::byte> put_right(MessageType type, std::vector<std::byte> bytes,
     }
 }
 
-/// What the door has answered.
+/// Reads and checks the broker's answers.
 void hear(Client& client, bool seals) {
     for (;;) {
         alignas(8) std::array<std::byte, 4096> buffer{};
@@ -233,7 +233,7 @@ void say(Client& client, const fuzz::Pieces::Piece& piece) {
 
 }  // namespace
 
-/// The broker's closer is this program once more.
+/// The broker starts this program again as its closer.
 extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) {
     if (*argc > 1 && std::string((*argv)[1]) == close_descriptors_option) ::_exit(close_descriptors_main());
     return 0;
@@ -254,7 +254,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
             hear(client, (piece.control & unsealed) == 0);
         }
     }
-    // They have hung up.
+    // Both clients have disconnected.
     for (int cycles = 0; cycles < 2000; ++cycles) {
         door.turn();
         if (cycles > 2 && door.clients() == 0) break;

@@ -1,7 +1,6 @@
-// Whatever an application writes into its claim's memory, while the servo reads it: bytes anywhere, commands and
-// batches as they are or in their form. The forces stay finite and within the device's limits, the device is not
-// to blame, what the servo counts adds up, and the claim can be taken back.
-// A piece (pieces.hpp) is one thing that the application does; the servo then makes a cycle.
+// Anything that an application may write into its claim's memory while the servo reads it: bytes anywhere,
+// commands and batches, raw or well-formed. Reports stay finite, forces are within the device's limits, and
+// the claim can be taken back. A piece (pieces.hpp) is one action of the application, before each cycle.
 
 #include <algorithm>
 #include <array>
@@ -27,7 +26,7 @@ constexpr protocol::ClaimCapacity capacity{.representations = 8, .batch_bytes = 
 constexpr Nanoseconds period = 1'000'000;
 enum Act : unsigned { spoil, raw_command, command, raw_batch, batch, idle, listen, arm };
 
-/// Values from the front of a piece; zeros behind its end.
+/// Takes values from the front of a piece, and zeros after its end.
 class Values {
   public:
     explicit Values(std::span<const std::byte> bytes) : rest_(bytes) {}
@@ -48,7 +47,7 @@ class Values {
     std::span<const std::byte> rest_;
 };
 
-/// One servo for all inputs; each has claims of its own.
+/// One servo for all inputs; each input has claims of its own.
 struct Rig {
     testing::PuppetDevice device;
     OfflineMemory segment{protocol::device_layout().total};
@@ -113,7 +112,7 @@ class Application {
     }
 
   private:
-    /// A command in its form: its length, its number, a kind and a slot that exist.
+    /// A well-formed command: valid length and number, a kind and a slot that exist.
     void push(unsigned control, Values& values) {
         using protocol::CommandType;
         const auto type = static_cast<CommandType>(1 + (control >> 3) % 6);
@@ -148,7 +147,7 @@ class Application {
         commands_.try_push(bytes.data(), cells);
     }
 
-    /// A batch of entries in their form.
+    /// A batch of well-formed entries.
     void publish(Values& values) {
         std::vector<std::byte> bytes(sizeof(protocol::BatchHeader));
         protocol::BatchHeader header{.sequence = ++sequence_};
@@ -171,7 +170,7 @@ class Application {
         batches_.publish(bytes.data(), bytes.size());
     }
 
-    /// As a library does, which trusts the servo and no word of the memory.
+    /// Reads as the library does, which trusts the servo but none of the memory.
     void hear() {
         shm::SpscConsumer replies(claim_.memory() + claim_.layout().replies, protocol::reply_cells);
         protocol::Reply reply;

@@ -1,4 +1,4 @@
-// Any bytes as knurld's configuration: refused in one line, or within the ranges.
+// Any bytes as knurld's configuration: refused in one line, or all values are within their ranges.
 
 #include <cstdint>
 #include <string>
@@ -19,7 +19,7 @@ bool within(const servo::Range& range, double value) {
 
 void check_device(const servo::DeviceConfig& device) {
     namespace ranges = servo::ranges;
-    // Without a name it gets that of its profile.
+    // A device without a name gets the name of its profile.
     require((device.name.empty() || protocol::is_name(device.name)) && !device.address.empty(),
             "a device has an address, and its name is one");
     require(device.rate == 0 || within(ranges::rate, device.rate), "a device has a rate");
@@ -49,7 +49,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         require(!config.devices.empty(), "a servo has a device");
         for (const servo::DeviceConfig& device : config.devices) check_device(device);
     } catch (const servo::ConfigError& error) {
-        // check() is of the command line as well, and names no file.
+        // check() also serves the command line, so it names no file.
         fuzz::check_refusal(error.what(), read ? "" : path + ":");
     }
     return 0;

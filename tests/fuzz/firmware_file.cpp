@@ -1,5 +1,5 @@
-// Any bytes as a Falcon's firmware, as they are (first byte even) or behind a valid head: refused in one line,
-// or a stream that ends where the bytes say so, and nowhere before.
+// Any bytes as a Falcon's firmware, as they are (first byte even) or after a valid header: refused in one
+// line, or a stream that ends exactly where the bytes state.
 
 #include <array>
 #include <cstdint>

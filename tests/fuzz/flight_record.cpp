@@ -1,5 +1,6 @@
-// Any text as what a guardian has saved, as it is (first byte even) or as rows behind a valid head: each of the
-// two readers refuses it in one line, or gives reports that are the same when they are written and read again.
+// Any text as a flight record, as it is (first byte even) or as rows after a valid header: each of the two
+// readers refuses it in one line, or returns reports that stay the same when they are written and read
+// again.
 
 #include <cstdint>
 #include <sstream>

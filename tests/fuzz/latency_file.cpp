@@ -1,4 +1,4 @@
-// Any bytes as what `knurl latency --json` writes: refused in one line, or a run that is the same when it is
+// Any bytes as a file of `knurl latency --json`: refused in one line, or a run that stays the same when it is
 // written and read again, and that can be compared.
 
 #include <cstdint>

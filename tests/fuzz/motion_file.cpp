@@ -1,5 +1,5 @@
-// Any bytes as a motion: refused in one line, or a motion that is finite at all times, and the same when it is
-// written and read again.
+// Any bytes as a motion: refused in one line, or a motion that is finite at all times, and that stays the
+// same when it is written and read again.
 
 #include <cmath>
 #include <cstdint>

@@ -1,5 +1,5 @@
 #pragma once
-// An input as a sequence of pieces: each has a control byte, two of length (little-endian), and its bytes.
+// Splits an input into pieces: each has a control byte, two bytes of length (little-endian), and its bytes.
 
 #include <algorithm>
 #include <cstddef>
@@ -18,7 +18,7 @@ class Pieces {
         unsigned control = 0;
         std::vector<std::byte> bytes;  // an exact copy, so that reading past its end is detected
     };
-    /// The last piece may be shorter than it says. False: there is none left.
+    /// The last piece may be shorter than its length states. False: no piece is left.
     bool next(Piece& piece) {
         if (rest_.size() < 3) return false;
         piece.control = rest_[0];

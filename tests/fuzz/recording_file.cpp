@@ -1,6 +1,6 @@
-// Any bytes as a recording, as they are (first byte 0) or as records with the lengths and checksums that they
-// need: refused in one line, or reports and inputs that keep to their bounds.
-// A piece (pieces.hpp) becomes a record; its control byte has the record's kind, and what is put right.
+// Any bytes as a recording, as they are (first byte 0) or as records with valid lengths and checksums:
+// refused in one line, or reports and inputs within their bounds. A piece (pieces.hpp) becomes a record; its
+// control byte has the record's kind, and which parts are made valid.
 
 #include <algorithm>
 #include <cstdint>
@@ -47,7 +47,7 @@ std::uint32_t crc_of(std::string_view bytes) {
         crc32_z(0, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size()));
 }
 
-/// Header, channels and metadata as Knurl writes them.
+/// The header, channels and metadata that Knurl writes.
 std::string valid_head() {
     std::string head(magic, 8), content;
     put_text(content, "");
@@ -104,7 +104,7 @@ std::string valid_head() {
     return head;
 }
 
-/// Pieces as records.
+/// Makes records of pieces.
 class Builder {
   public:
     void add(unsigned control, std::string_view bytes) {

@@ -1,5 +1,5 @@
 #pragma once
-// A reader's message for a file that it refuses.
+// Checks a reader's message for a file that it refuses.
 
 #include <cstdio>
 #include <string_view>
@@ -8,7 +8,7 @@
 
 namespace knurl::fuzz {
 
-/// One line that names the file, without control characters for a terminal.
+/// Demands one line that names the file, without a terminal's control characters.
 inline void check_refusal(std::string_view text, std::string_view file, std::size_t longest = 600) {
     if (!text.starts_with(file)) std::fprintf(stderr, "%.*s\n", static_cast<int>(text.size()), text.data());
     require(text.starts_with(file), "a refusal names the file");

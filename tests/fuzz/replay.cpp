@@ -1,6 +1,7 @@
-// A fuzz target without libFuzzer, built as everything else is: the kept inputs, then alterations of them by a seed.
+// Runs a fuzz target without libFuzzer, built like the rest: first on the kept inputs, then on alterations
+// of them that a seed selects.
 //   knurl_replay_X LONGEST ALTERATIONS LAST [FOLDER...]
-// LAST is a file: the input at work is written to it, and is left there by one that breaks the target.
+// LAST is a file: it has the current input, so the one that breaks the target stays there.
 
 #include <algorithm>
 #include <cstdint>
@@ -17,7 +18,7 @@
 #include <unistd.h>
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
-/// Of a target that has one.
+/// Defined only by some targets.
 extern "C" __attribute__((weak)) int LLVMFuzzerInitialize(int* argc, char*** argv);
 
 namespace {
@@ -26,7 +27,7 @@ using Bytes = std::vector<std::uint8_t>;
 
 constexpr unsigned seed = 1;
 
-/// Whatever std::mt19937 says, modulo: the same on every machine, which the distributions of the library are not.
+/// std::mt19937 modulo n. Unlike the library's distributions it gives the same numbers on every machine.
 class Dice {
   public:
     std::size_t below(std::size_t n) { return engine_() % n; }
@@ -35,7 +36,7 @@ class Dice {
     std::mt19937 engine_{seed};
 };
 
-/// One to eight changes of the kinds that a fuzzer makes, and a piece of another input.
+/// Makes one to eight changes of the kinds that a fuzzer makes, including a piece of another input.
 Bytes altered(Bytes bytes, const Bytes& other, std::size_t longest, Dice& dice) {
     for (std::size_t changes = 1 + dice.below(8); changes > 0; --changes) {
         const std::size_t at = dice.below(bytes.size() + 1);
@@ -71,12 +72,12 @@ Bytes altered(Bytes bytes, const Bytes& other, std::size_t longest, Dice& dice) 
     return bytes;
 }
 
-/// `last` is open for writing: to open it anew for each input takes longer than most targets.
+/// `last` is open for writing, since opening it for each input takes longer than most targets.
 void run(const Bytes& bytes, int last) {
     if (::pwrite(last, bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()) ||
         ::ftruncate(last, static_cast<off_t>(bytes.size())) != 0)
         std::perror("replay: the input cannot be kept");
-    // A copy to the byte: AddressSanitizer sees who reads past its end.
+    // A copy of the exact size, so that AddressSanitizer detects reads past its end.
     const std::vector<std::uint8_t> exact(bytes.begin(), bytes.end());
     LLVMFuzzerTestOneInput(exact.data(), exact.size());
 }
@@ -107,7 +108,7 @@ int main(int argc, char** argv) {
     }
     Dice dice;
     if (kept.empty()) {
-        // Bytes that mean nothing: for a target that makes something of any.
+        // Random bytes, for a target that has a meaning for any bytes.
         for (std::size_t i = 0; i < 64; ++i) {
             kept.emplace_back(dice.below(longest));
             for (auto& byte : kept.back()) byte = static_cast<std::uint8_t>(dice.below(256));

@@ -1,5 +1,6 @@
 #pragma once
-// What must hold whatever a fuzz target is given. Whoever feeds it keeps the input of a process that aborts.
+// What must hold for every input of a fuzz target. If it does not, the process aborts, and its caller keeps
+// the input.
 
 #include <cstdio>
 #include <cstdlib>

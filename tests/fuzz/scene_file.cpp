@@ -1,4 +1,4 @@
-// Any bytes as a scene file: refused in one line, or all that it holds is within the bounds of a scene.
+// Any bytes as a scene file: refused in one line, or its whole content is within the bounds of a scene.
 
 #include <cmath>
 #include <cstdint>

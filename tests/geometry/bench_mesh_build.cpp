@@ -1,5 +1,5 @@
-// The cost of building a mesh: the thread's CPU time per triangle, and memory; beside sorting as many
-// numbers.
+// The cost of building a mesh: CPU time of the thread per triangle, and memory. For comparison: the time to
+// sort as many numbers.
 
 #include <algorithm>
 #include <random>

@@ -1,6 +1,6 @@
-// What a cycle of a proxy on a mesh costs: strokes at 0.1 to 0.3 m/s pressing 1 to 3 mm and pokes, at 1 kHz,
-// on bumpy spheres of 1k to 1M faces. Warm: the fastest of three times eight repeats of each cycle. Cold:
-// once, with 48 MiB written before it. Beside it, in the same run, what others ask on the same path.
+// The time of a proxy's cycle on a mesh: strokes at 0.1 to 0.3 m/s that press 1 to 3 mm, and pokes, at 1
+// kHz, on bumpy spheres of 1k to 1M faces. Warm: the fastest of three times eight repeats of each cycle.
+// Cold: once, after 48 MiB were written. The same run measures other methods on the same path.
 //
 //   knurl_bench_walk [most faces]
 
@@ -136,7 +136,7 @@ void active_set_on(const Mesh& mesh, const std::vector<test::Hand>& hands, doubl
     touching.print("active set touching", mesh.faces());
 }
 
-/// The time of a single memory access then, with code and page table.
+/// The time of a single cold memory access, including code and page table.
 void look_cold(std::size_t bytes, double clock) {
     const auto memory = std::make_unique<char[]>(bytes);
     std::fill_n(memory.get(), bytes, char{1});
@@ -150,7 +150,7 @@ void look_cold(std::size_t bytes, double clock) {
     look.print("a look at memory, cold", 0);
 }
 
-// From far outside towards the mesh and back, 0.2 m/s: there is free room.
+// Around the mesh at a distance, where the hand is free.
 void hover_over(const Mesh& mesh, double clock) {
     Times free;
     Proxy proxy;
@@ -164,8 +164,7 @@ void hover_over(const Mesh& mesh, double clock) {
     free.print("walk, free, 3 cm away", mesh.faces());
 }
 
-// In every cycle the hand jumps by 20 mm, near the surface. Of three equal runs the one with the least
-// disturbance.
+// In every cycle the hand jumps by 20 mm, near the surface. Prints the least disturbed of three equal runs.
 void throw_about(const Mesh& mesh, const test::MadeMesh& shape, double clock) {
     Times best;
     for (int run = 0; run < 3; ++run) {

@@ -1,4 +1,4 @@
-// The reference is tested before it judges: against closed forms.
+// Tests the reference itself, against closed forms.
 
 #include <exact/god_object.hpp>
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ Surface surface_of(const MadeMesh& s) {
     return Surface(s.vertices, s.triangles);
 }
 
-/// Of a corner that is convex for the probe's side: each coordinate is at least the corner's.
+/// The nearest free point of the corner between a floor z = 0 and a wall x = 0.
 V clamped(const V& hand) {
     return {std::max<Real>(hand.x, 0), hand.y, std::max<Real>(hand.z, 0)};
 }
@@ -33,7 +33,8 @@ TEST(ExactSurface, ClosestPointLiesOnWhatItSays) {
         const int f = static_cast<int>(below(rng, s.faces()));
         const V p{between(rng, -.2, .2), between(rng, -.2, .2), between(rng, -.2, .2)};
         const exact::Nearest3 at = s.nearest(f, p);
-        // No other point of the face is nearer (Kuhn and Tucker: the way to p leads away from all corners).
+        // No other point of the face is nearer (Kuhn and Tucker: the vector to p points away from all
+        // corners).
         for (int c = 0; c < 3; ++c) ASSERT_LT(dot(p - at.point, s.corner(f, c) - at.point), 1e-19L);
         EXPECT_LT(std::fabs(dot(s.normal(f), at.point - s.corner(f, 0))), 1e-19L);
     }
@@ -112,8 +113,8 @@ TEST(ExactGodObject, InTheCornerOfABoxFromInside) {
 }
 
 TEST(ExactGodObject, AroundABoxNoFaceIsChangedButOverItsEdge) {
-    // Inside a box the nearest point is on the holding face. It changes where another face is nearer and the
-    // edge lies between: never while the hand stays within a face's prism.
+    // Inside a box the proxy is at the nearest point of the holding face. It changes to another face only
+    // over the edge between both, so not as long as the hand stays within the face's prism.
     const MadeMesh shape = cube(8, 0.2);
     const Surface s = surface_of(shape);
     GodObject god(s);
@@ -123,7 +124,7 @@ TEST(ExactGodObject, AroundABoxNoFaceIsChangedButOverItsEdge) {
         ASSERT_TRUE(god.step(hand));
         ASSERT_LT(distance(god.at(), V{0.1L, hand.y, hand.z}), 1e-17L);  // even when another face is nearer
     }
-    // Over the edge: from the top's plane beyond its end the side's becomes nearer.
+    // Over the edge: beyond the end of the top, the side becomes nearer.
     GodObject edge(s);
     edge.step({0.098L, 0.03L, 0.101L});
     EXPECT_TRUE(edge.step({0.098L, 0.03L, 0.095L}));
@@ -146,7 +147,8 @@ TEST(ExactGodObject, NoFaceOfASphereIsNearer) {
             if (++i % 10 != 0) continue;
             ASSERT_EQ(touches, s.winding(hand) > 0.5L);
             if (!touches) continue;
-            // Convex: every path inside follows the nearest point, within the ridges' small hills.
+            // The body is convex, so every path inside follows the nearest point, apart from its small
+            // ridges.
             ASSERT_LT(s.gain(god.at(), hand, 1e-13L), 1e-17L);
             ASSERT_LT(std::fabs(distance(god.at(), hand) - (0.1L - exact::length(hand))), 4e-4L);
         }

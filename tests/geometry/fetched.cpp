@@ -39,7 +39,7 @@ MadeMesh subdivided(const MadeMesh& s) {
         for (std::size_t i = 0; i < 3; ++i) {
             const std::uint32_t a = t[i], b = t[(i + 1) % 3];
             edges[std::minmax(a, b)].opposite += s.at(t[(i + 2) % 3]);
-            around[a] += s.at(b);  // each neighbour once: the other way round is another face's
+            around[a] += s.at(b);  // each neighbour once: another face has the reversed edge
             ++count[a];
         }
     }

@@ -1,5 +1,5 @@
 #pragma once
-// Real meshes, where scripts/fetch_meshes has fetched them.
+// Scanned meshes, if scripts/fetch_meshes has fetched them.
 
 #include <optional>
 

@@ -1,4 +1,4 @@
-// The judge's generated meshes: their number of faces, closedness and size are as stated.
+// Tests the generated meshes: their number of faces, closedness and size are as stated.
 
 #include <exact/god_object.hpp>
 #include <gtest/gtest.h>

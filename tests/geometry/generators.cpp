@@ -287,7 +287,7 @@ MadeMesh moebius() {
             s.vertices.push_back({rho * std::cos(u), rho * std::sin(u), v * std::sin(u / 2)});
         }
     }
-    const auto at = [&](std::uint32_t i, std::uint32_t j) {  // once around, the other side is up
+    const auto at = [&](std::uint32_t i, std::uint32_t j) {  // after one turn the other side is up
         return i == around ? across - j : i * (across + 1) + j;
     };
     for (std::uint32_t i = 0; i < around; ++i) {

@@ -1,5 +1,5 @@
 #pragma once
-// Generated meshes: they need no licence, and their exact surface is known. In metres, about 0.2 m large
+// Generated meshes, which need no licence, and whose exact surface is known. In metres, about 0.2 m large
 // unless stated otherwise; counter-clockwise as seen from outside.
 
 #include <array>
@@ -61,7 +61,7 @@ MadeMesh plane_grid();  // 4 cm of 2 mm triangles
 MadeMesh needles();     // 10 mm by 10 um
 
 // Non-manifold meshes.
-MadeMesh crossing_sheets();  // a floor and a wall (x = 0, front to +x) through it that share no vertex
+MadeMesh crossing_sheets();  // a floor, and through it a wall (x = 0, front to +x); they share no vertex
 MadeMesh two_sided_sheet();  // the same vertices, every triangle twice, one of them turned
 MadeMesh three_sheets();     // at one edge
 MadeMesh cubes_at_an_edge();

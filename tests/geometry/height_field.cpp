@@ -36,7 +36,7 @@ Field terrain(std::uint32_t columns, std::uint32_t rows, std::uint64_t seed, dou
             f.heights.push_back(static_cast<float>(z));
         }
     }
-    // The corners as in the field: its heights are floats about their middle.
+    // The same corners as in the field, which stores heights as floats relative to their middle.
     const auto [least, most] = std::minmax_element(f.heights.begin(), f.heights.end());
     const double middle = (double{*least} + double{*most}) / 2;
     f.shape.name = "terrain";
@@ -86,7 +86,7 @@ TEST(HeightField, IsFeltAsTheMeshOfItsTriangles) {
                     ++apart;
                     EXPECT_LT(touches ? a.depth : b.depth, 1e-9) << "seed " << seed;
                 } else if (touches) {
-                    if ((a.point - b.point).norm() > 1e-9) ++apart;  // where two places are equally right
+                    if ((a.point - b.point).norm() > 1e-9) ++apart;  // two places may be equally right
                     EXPECT_NEAR(a.depth, b.depth, 1e-9) << "seed " << seed;
                 }
             }
@@ -170,7 +170,7 @@ TEST(HeightField, ABlockOfAnotherSizeOrBuildIsRefused) {
     EXPECT_THROW(HeightField(block.all().first(16), block.memory), HeightFieldError);
     EXPECT_THROW(asset_of(block.all().subspan(64), block.memory), MeshError);
     EXPECT_THROW(field.write(block.all().first(128)), HeightFieldError);
-    // Counts whose product is small again in 32 bits: the levels of such a grid would fit nowhere.
+    // Counts whose product overflows 32 bits to a small number.
     for (const auto& [columns, rows] : {std::pair{0xfffffff0u, 0xffffffffu}, {0xffffffffu, 0xffffffffu}}) {
         Block spoiled = written(field);
         std::memcpy(spoiled.memory.get() + 8, &columns, 4);

@@ -1,4 +1,4 @@
-// A mesh as one piece of memory: a mesh built by another process is the same mesh.
+// A mesh as one block of memory: a mesh that another process has built is the same mesh.
 
 #include <cstring>
 #include <memory>

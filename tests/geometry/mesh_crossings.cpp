@@ -1,5 +1,5 @@
-// Faces that others pass through are found, and none in clean meshes. Without the cuts (unite), which would
-// leave none to find.
+// Faces through which others pass are found, and none in clean meshes. Without the cuts (unite), which would
+// leave no such face.
 
 #include <cmath>
 
@@ -14,7 +14,8 @@ using namespace knurl::test;
 
 namespace {
 
-/// A floor of 4 cm (800 triangles, the first) and a wall across it, from `low` on, that has no vertex of it.
+/// A floor of 4 cm (the first 800 triangles) and a wall across it, from height `low` on; they share no
+/// vertex.
 RawMesh floor_and_wall(double low, double x = 0.0191) {
     RawMesh m = raw_grid(20, 20);
     RawMesh wall = raw_grid(13, 7, 3.1e-3);
@@ -55,7 +56,7 @@ TEST(MeshCrossings, AWallThatStandsOnTheFloorIsInTheWay) {
         const Eigen::Quaterniond turn(between(random, -1, 1), between(random, -1, 1), between(random, -1, 1),
                                       between(random, -1, 1));
         const double scale = std::pow(10, between(random, -3, 3)), offset = between(random, -10, 10);
-        for (Point3& p : raw.vertices) {  // its foot is on the floor up to rounding only
+        for (Point3& p : raw.vertices) {  // after this, rounding decides where the foot is
             const Eigen::Vector3d v = scale * (turn.normalized() * Eigen::Vector3d(p[0], p[1], p[2]));
             p = {v.x() + offset, v.y(), v.z() - offset};
         }
@@ -87,7 +88,7 @@ TEST(MeshCrossings, SpheresThatCrossDoSoInARing) {
     EXPECT_GT(crossed(mesh), 100);
     EXPECT_LT(crossed(mesh), 600);
     for (const Face& f : mesh.data().faces) {
-        // None that is clear of the plane in which the spheres meet.
+        // No face is marked that is clear of the plane in which the spheres meet.
         double nearest = 1;
         for (const auto& c : f.corner) {
             const Eigen::Vector3d p = Eigen::Vector3d(c[0], c[1], c[2]) + mesh.data().origin;
@@ -134,7 +135,7 @@ TEST(MeshCrossings, SeamsThatWereNotWeldedAreNoCrossings) {
 }
 
 TEST(MeshCrossings, AFaceThatGoesThroughItsNeighboursNeighbourIsFound) {
-    // They share a vertex, and the far edge of one passes through the other.
+    // The two share a vertex, and the far edge of one passes through the other.
     const RawMesh raw{
         {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.2, 0.2, 1}, {0.3, 0.3, -1}, {1, 0, -1}, {0.5, -1, 0.2}},
         {{0, 1, 2}, {0, 3, 4}, {0, 6, 5}}};
@@ -200,8 +201,8 @@ TEST(MeshCrossings, AskedNotToNoneIsLookedFor) {
     EXPECT_EQ(crossed(Mesh(raw.given(), {.find_crossings = false})), 0);
 }
 
-/// Around a vertex the faces go around once and form a loop on the way, through each other. The loop's faces
-/// that nothing crosses lie behind the others, and the walk reaches them only over the vertex.
+/// The faces around a vertex form a loop on their way around it, and so pass through each other. The loop's
+/// faces that no other crosses lie behind the others, so that the walk reaches them only over the vertex.
 RawMesh looped_fan() {
     RawMesh raw;
     raw.vertices = {{0, 0, 0},      {-2, -2, -1}, {2, -2, -1}, {2, 0.5, -1}, {-0.5, 0.5, -1},
@@ -220,7 +221,7 @@ TEST(MeshCrossings, FacesOfAFanThatPassesThroughItselfAllSaySo) {
     }
 }
 
-/// Further sheets that cross them all change nothing, wherever in the tree they come.
+/// More sheets that cross all these faces change nothing, wherever in the tree they are.
 TEST(MeshCrossings, AFanThatPassesThroughItselfSaysSoBehindSheetsToo) {
     for (std::uint32_t sheets = 1; sheets < 7; ++sheets) {
         RawMesh raw = looped_fan();

@@ -1,4 +1,4 @@
-// Checks everything that was built, in long double and with maps: slow and simple.
+// Checks everything that was built, in long double and with maps, which is slow but simple.
 
 #include <algorithm>
 #include <cmath>
@@ -78,7 +78,7 @@ class Check {
         if (open != data_.open) say("open");
     }
 
-    /// Each face is its triangle, no farther away than welding and rounding allow.
+    /// Each face is at its triangle, within the distance that welding and rounding allow.
     void origins() {
         std::set<std::uint32_t> seen;
         long double largest = 0;
@@ -116,8 +116,8 @@ class Check {
         }
     }
 
-    /// Where faces are cut, each piece lies wholly on the given surface, and belongs to a triangle of its
-    /// material. A piece with turned edges lies in two of them.
+    /// Where faces are cut, each piece lies wholly on the given surface, and names a triangle of its
+    /// material. A piece with a swapped edge (cut.cpp) lies on two of them.
     void pieces(long double may) {
         for (const AnyFace& f : faces_) {
             if (f.triangle >= raw_.triangles.size()) {
@@ -212,7 +212,7 @@ class Check {
         }
     }
 
-    /// All faces at an end of an edge without neighbour have the flag.
+    /// All faces at an end of an edge without a neighbour have the rim flag.
     void rims() {
         std::set<Point3> ends;
         for (const AnyFace& f : faces_) {

@@ -104,7 +104,7 @@ TEST(MeshBuild, VerticesThatAreOneAreWelded) {
 }
 
 TEST(MeshBuild, WeldingDoesNotCollapseAMeshFinerThanItsTolerance) {
-    // The first vertex is nearer than the tolerance to both ends of an edge that is longer than that.
+    // The first vertex is within the tolerance of both ends of an edge that is longer than the tolerance.
     const RawMesh edge{
         {{0, 0, 0}, {-0.9e-3, 0, 0}, {0.9e-3, 0, 0}, {0, 0.7, 0}, {0.7, -0.7, 0}, {-0.7, -0.7, 0}},
         {{1, 2, 3}, {0, 5, 4}}};
@@ -169,8 +169,8 @@ TEST(MeshBuild, FacesWoundAgainstTheirNeighboursAreTurned) {
         const Mesh mesh(raw.given());
         EXPECT_EQ(wrong(mesh, raw), "") << "seed " << seed;
         EXPECT_EQ(mesh.notes().edges_open, 0);
-        EXPECT_EQ(mesh.notes().faces_turned, turned);  // a body: the outside is the front, whatever the
-                                                       // majority says
+        // The front of a body is its outside, whatever the majority of its triangles has.
+        EXPECT_EQ(mesh.notes().faces_turned, turned);
         const Face& f = mesh.data().faces[0];
         const auto at = [&](std::size_t i) -> Eigen::Vector3d {
             return Eigen::Vector3d(f.corner[i][0], f.corner[i][1], f.corner[i][2]) + mesh.data().origin;
@@ -231,7 +231,7 @@ TEST(MeshBuild, AVertexThatIsNoPlaceTakesItsFacesAlone) {
         EXPECT_EQ(mesh.notes().vertices_far, finite ? 1 : 0) << bad;
         EXPECT_EQ(mesh.notes().faces_dropped, 6) << bad;
         EXPECT_EQ(mesh.notes().edges_open, 6) << bad;
-        EXPECT_NEAR(mesh.data().size, whole.data().size, 1e-3) << bad;  // the frame is that of the others
+        EXPECT_NEAR(mesh.data().size, whole.data().size, 1e-3) << bad;  // the bad vertex does not count
     }
     RawMesh unused = clean;  // a vertex without a triangle has no effect
     unused.vertices.push_back({nan, 0, 0});

@@ -132,7 +132,7 @@ TEST(MeshRandom, VerticesOfOneCellTakeNoLongerThanElsewhere) {
     std::mt19937_64 random(seed);
     RawMesh raw = raw_soup(random, 20000, 1.0);
     for (std::size_t v = 0; v < raw.vertices.size(); ++v) {
-        if (v % 5 < 3) continue;  // else the tolerance would be that of the small ones
+        if (v % 5 < 3) continue;  // the others keep the mesh's size, and so the tolerance
         for (double& x : raw.vertices[v]) x = 0.5 + (x - 0.5) * 2.7e-5;
     }
     for (const double weld : {0.0, 1e-6, 1e-4}) {

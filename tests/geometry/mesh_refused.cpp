@@ -119,7 +119,7 @@ TEST(MeshRefused, ASurfaceWithOneSideOnly) {
     EXPECT_EQ(refusal(raw.given()), "");
     raw = raw_strip(20, true);
     EXPECT_SAYS(refusal(raw.given()), "Moebius", "triangle");
-    // Beside clean parts; the numbers are those of the input.
+    // The same with clean parts; the message has the input's numbers.
     RawMesh both = raw_sphere(2);
     both.add(raw);
     const std::string said = refusal(both.given());
@@ -159,7 +159,7 @@ TEST(MeshRefused, NeverMoreThanWasSaidIsTaken) {
             MeshBuild how;
             how.exact = exact;
             const std::size_t said = mesh_budget(raw.vertices.size(), raw.triangles.size(), exact);
-            how.budget = said;  // none is left for cuts, which are not in it
+            how.budget = said;  // does not include memory for cuts
             const std::size_t before = held;
             most_held = before;
             const Mesh mesh(raw.given(), how);
@@ -174,7 +174,7 @@ TEST(MeshRefused, NeverMoreThanWasSaidIsTaken) {
 }
 
 TEST(MeshRefused, AnyQuestionMayEndTheBuilding) {
-    // Sheets that cross, are unwelded, turned, doubled and many at an edge, so that all steps run.
+    // Sheets that cross, unwelded, turned, doubled, and many at one edge, so that all steps run.
     RawMesh raw = raw_sphere(3).unwelded(), other = raw_cone(100);
     for (std::size_t t = 0; t < raw.triangles.size(); t += 2) raw.turn_over(t);
     raw.add(other);

@@ -1,4 +1,4 @@
-// Edges and vertices where a surface is open, or is more than a surface.
+// Edges and vertices where a surface is open or not a manifold.
 
 #include <cmath>
 
@@ -48,8 +48,8 @@ TEST(MeshSeams, ATJunctionIsOpenAndSaysSo) {
     EXPECT_EQ(on_rim(mesh), 4);
 }
 
-/// Sheets that end in the x axis, each as a strip of two triangles: at an angle (degrees) and forward or not
-/// (a forward one has its front on the side of greater angles).
+/// Sheets that end at the x axis, each a strip of two triangles at an angle (degrees). The front of a
+/// forward sheet is on the side of larger angles.
 RawMesh sheets(const std::vector<std::pair<double, bool>>& at) {
     RawMesh m{{{0, 0, 0}, {1, 0, 0}}, {}};
     for (const auto& [degrees, forward] : at) {
@@ -64,7 +64,7 @@ RawMesh sheets(const std::vector<std::pair<double, bool>>& at) {
 }
 
 TEST(MeshSeams, AtAnEdgeOfManyEachSeesTheFirstInFrontOfIt) {
-    // A floor and a wall through it, both of bodies: each quarter is its own neighbour.
+    // A floor and a wall through it, both of bodies: the two sheets around each free wedge are neighbours.
     const RawMesh raw =
         sheets({{10, true}, {80, false}, {100, true}, {170, false}, {190, true}, {350, false}});
     const Mesh mesh(raw.given());
@@ -118,7 +118,7 @@ TEST(MeshSeams, ASheetWithTwoSidesIsNotACrack) {
 }
 
 TEST(MeshSeams, NearlyEqualAnglesAreOne) {
-    // The same with sides whose far vertices differ by rounding.
+    // As above, but the far vertices of the two sides differ by rounding.
     for (const double off : {1e-9, -1e-9, 1e-12, -1e-12, 1e-15}) {
         const RawMesh raw =
             sheets({{0, true}, {off, false}, {90 + off, true}, {90, false}, {180, true}, {180 + off, false}});
@@ -138,7 +138,8 @@ TEST(MeshSeams, TwoBodiesAtAnEdgeHangTogetherThroughFreeSpace) {
     EXPECT_EQ(mesh.notes().edges_non_manifold, 1);
     EXPECT_EQ(mesh.notes().edges_open, 0);
     EXPECT_EQ(mesh.notes().vertices_welded, 2);
-    // In front of a box's side at that edge is the other box's side, a quarter turn on: they meet as one.
+    // At that edge the side in front of one box's side is the other box's, a quarter turn on: both form one
+    // part.
     EXPECT_EQ(mesh.notes().parts, 1);
 }
 
@@ -152,7 +153,7 @@ TEST(MeshSeams, AVertexWithTwoFansIsSplit) {
     EXPECT_EQ(mesh.notes().parts, 2);
     EXPECT_EQ(mesh.notes().edges_open, 0);
     EXPECT_FALSE(mesh.data().open);
-    EXPECT_GE(on_rim(mesh), 6);  // the faces around it say that there is more than they reach
+    EXPECT_GE(on_rim(mesh), 6);  // the faces around the vertex are marked, since they do not reach all of it
     EXPECT_LE(on_rim(mesh), 12);
 }
 
@@ -163,7 +164,7 @@ TEST(MeshSeams, AFanOfManyFacesIsCutWhereItIsFlat) {
         if (sides < 2000) {
             EXPECT_EQ(wrong(mesh, raw), "") << sides;
         }
-        // The tip and the foot's middle; and where two cuts end in one vertex, that.
+        // The tip and the base's centre are split, and a vertex in which two cuts end.
         EXPECT_GE(mesh.notes().vertices_split, sides > 64 ? 2 : 0) << sides;
         EXPECT_LE(mesh.notes().vertices_split, sides > 64 ? 2 + sides / 64 : 0) << sides;
         EXPECT_EQ(mesh.notes().edges_open, 0) << sides;  // the mesh itself is closed

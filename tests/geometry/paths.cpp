@@ -18,7 +18,7 @@ V anywhere(Rng& rng) {
     return {between(rng, -1, 1), between(rng, -1, 1), between(rng, -1, 1)};
 }
 
-/// At this speed through all of them, a place per cycle.
+/// A path through all corners, with one position per cycle, each a step from the last.
 Hand along(const std::vector<V>& corners, double step) {
     Hand hand;
     Real left = 0;  // to go before the next place

@@ -1,6 +1,6 @@
 #pragma once
-// Where a hand goes on a mesh, a place per millisecond. Lengths are those of a mesh of 0.2 m: on one ten
-// times as large the hand is ten times as fast and presses ten times as deep.
+// Paths of a hand on a mesh, with one position per millisecond. Lengths are stated for a mesh of 0.2 m; they
+// scale with the mesh, and so does the hand's speed.
 
 #include <vector>
 
@@ -12,7 +12,7 @@ using Hand = std::vector<std::array<double, 3>>;
 
 class Hands {
   public:
-    /// Of an open mesh, they keep 4 mm away from its rim.
+    /// On an open mesh, the paths keep 4 mm away from its rim.
     Hands(const MadeMesh& shape, std::uint64_t seed);
 
     Hand stroke() { return follow_surface(-0.003, -0.001); }  // 0.1 to 0.3 m/s, 1 to 3 mm deep
@@ -31,10 +31,10 @@ class Hands {
 
     const MadeMesh* shape_;
     Rng rng_;
-    double unit_;                         // m, what a metre is on this mesh
+    double unit_;                         // length on this mesh per length on a mesh of 0.2 m
     std::vector<std::size_t> triangles_;  // that may be touched
     std::vector<exact::V> vertex_normal_;
-    std::vector<exact::Real> rise_;  // of the neighbours above each vertex: > 0 in a concave corner
+    std::vector<exact::Real> rise_;  // of each vertex's neighbours above it: > 0 in a concave corner
     exact::V low_, high_;
 };
 

@@ -1,6 +1,6 @@
-// Hands on meshes as they come from outside, and on surfaces that are no manifold. The surface stays where a
-// good one is, or is known in closed form, so that is what must be felt; or the builder refuses, and says
-// why.
+// Hands on faulty meshes, and on surfaces that are not manifolds. The surface is that of a good mesh, or
+// known in closed form. So either the hand must feel that surface, or the builder refuses the mesh and
+// states why.
 
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@ using namespace knurl::test;
 using exact::Real;
 using exact::V;
 
-/// Felt like `good`, though `bad` was given.
+/// Compares what is felt of `bad` with the surface of `good`.
 Verdict felt(const MadeMesh& bad, const MadeMesh& good, bool exact = true) {
     const Mesh mesh(given(bad), {.exact = exact});
     const exact::Surface truth = surface_of(good);
@@ -50,7 +50,7 @@ TEST_P(Spoiled, UnweldedAndShuffled) {
     expect_right(shuffled(unwelded(shape()), rng), shape());
 }
 TEST_P(Spoiled, UnweldedAndJittered) {
-    // A fifth of what is welded: no two corners of one vertex come apart.
+    // A fifth of the welding tolerance, so all corners of a vertex are welded again.
     expect_right(jittered(unwelded(shape()), 2e-7 * shape().size(), rng), shape());
 }
 TEST_P(Spoiled, FacesTwice) {
@@ -80,7 +80,7 @@ INSTANTIATE_TEST_SUITE_P(Shapes, Spoiled, testing::Range(0, 3), [](const auto& s
     return std::string(shape.param == 0 ? "plane" : shape.param == 1 ? "torus" : "staircase");
 });
 
-/// Follows `hand` and asks where it should be.
+/// Follows `hand`, and compares the proxy's place with `known`.
 template <class Known>
 void expect_known(const MadeMesh& shape, const Hand& hand, double tolerance, Known&& known) {
     SCOPED_TRACE(shape.name);
@@ -104,7 +104,7 @@ void expect_known(const MadeMesh& shape, const Hand& hand, double tolerance, Kno
                        << ' ' << hand[first][1] << ' ' << hand[first][2] << "; worst " << worst << " m";
 }
 
-/// Along x from `from` to `to`, so deep (m).
+/// A path along x from `from` to `to`, at that depth (m).
 Hand slide(double from, double to, double y, double depth, double step = 0.0002) {
     Hand hand{{from, y, 0.001}};
     const double way = to > from ? step : -step;
@@ -151,7 +151,7 @@ TEST(NoManifold, TwoSidedSheetHoldsFromBothSides) {
     }
 }
 
-/// As off the edge of a table; a thin plate lets go in the same way.
+/// The tip slips off as off the edge of a table. A thin plate lets go in the same way.
 TEST(NoManifold, ASheetWithTwoSidesLetsGoBeyondItsEdge) {
     for (const auto& way : {V{1, 0, 0}, V{0.6L, -0.8L, 0}, V{0, 1, 0}}) {
         for (const MadeMesh& shape : {plane_grid(), two_sided_sheet()}) {
@@ -171,7 +171,8 @@ TEST(NoManifold, CubesThatShareAnEdgeOrACorner) {
     for (const MadeMesh& shape : {cubes_at_an_edge(), cubes_at_a_corner()}) expect_right(shape, shape);
 }
 
-/// It has one side; whatever is made of it, it is known where it is, or refused in one line.
+/// A Moebius strip has only one side. The built surface must be in its place, or the mesh is refused in one
+/// line.
 TEST(NoManifold, AMoebiusStripIsHeldToItsSurfaceOrRefused) {
     const MadeMesh shape = moebius();
     try {
@@ -195,7 +196,8 @@ TEST(NoManifold, AMoebiusStripIsHeldToItsSurfaceOrRefused) {
     }
 }
 
-/// Whatever holds the proxy: such a hand feels nothing, and the next one begins anew.
+/// A hand whose position is not finite feels nothing, whatever held the proxy, and the next cycle starts
+/// anew.
 TEST(NoManifold, AHandThatIsNotANumberFeelsNothing) {
     const Mesh mesh(given(crossing_sheets()));
     for (const double bad : {std::nan(""), HUGE_VAL, -HUGE_VAL, 1e300}) {

@@ -1,4 +1,4 @@
-// Hands on meshes that nothing is wrong with: the walk against the reference. With KNURL_STROKES=long for
+// Compares the walk with the reference, for hands on meshes without faults. KNURL_STROKES=long takes
 // minutes, with up to 1.3 million triangles (scripts/strokes).
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@ namespace {
 using namespace knurl;
 using namespace knurl::test;
 
-/// As exact as promised; nothing lost, nothing wrong; the reference's jumps and no others.
+/// Demands the promised accuracy, no lost contact, no wrong place, and no jumps but the reference's.
 void expect_right(Verdict& v, double p99) {
     EXPECT_LE(v.error_at(0.99), p99);
     EXPECT_EQ(v.wrong, 0U);
@@ -59,7 +59,7 @@ TEST(CleanMesh, OfNeedles) {
     judge_shape(needle_box(), long_form() ? 60 : 3);
 }
 
-/// All lengths go with the size: the same strokes from 40 um to 40 m.
+/// All lengths scale with the size: the same strokes on meshes of 40 um to 40 m.
 TEST(CleanMesh, OfAnySize) {
     for (const double scale : {2e-4, 0.02, 200.0})
         judge_shape(scaled(staircase(), scale), long_form() ? 20 : 1);
@@ -72,12 +72,12 @@ TEST(CleanMesh, FarFromTheOrigin) {
         const Mesh mesh(given(shape), {.exact = true, .weld = 0});
         Verdict v = judge_all(mesh, truth, shape, allowed_of(truth, true), seed(), long_form() ? 20 : 1);
         std::cout << shape.name << ": " << v << '\n';
-        expect_right(v, 1e-11 + 2 * far * 0x1p-52);  // the place itself is a double
+        expect_right(v, 1e-11 + 2 * far * 0x1p-52);  // the rounding of the place as a double
     }
 }
 
-/// Wherever a hand appears: when it has rested there a little, what is felt is a place of the surface that
-/// holds it, or nothing.
+/// A hand may appear anywhere. After a short rest, the proxy is at a place of the surface that holds the
+/// hand, or there is no contact.
 TEST(CleanMesh, UnderAHandThatIsThrownAbout) {
     for (const MadeMesh& shape : {icosphere(4), noisy_sphere(5, 0.6, seed()), comb()}) {
         const exact::Surface truth = surface_of(shape);
@@ -112,8 +112,8 @@ TEST(CleanMesh, UnderAHandThatIsThrownAbout) {
     }
 }
 
-/// A ball touches what is nearer to its middle than its radius, there; pressed past its middle, as a point
-/// does.
+/// A ball touches the surface at the point nearest to its centre, if that is within its radius. Once its
+/// centre is inside, it touches as a point does.
 TEST(CleanMesh, UnderABall) {
     for (const MadeMesh& shape : {icosphere(3), torus(96, 48), cube(10)}) {
         const exact::Surface truth = surface_of(shape);
@@ -167,8 +167,9 @@ TEST_P(FetchedMesh, IsFeltAsTheReferenceFeelsIt) {
         }
         return;
     }
-    // Their makers' holes, crossings and edges of many faces: where the walk goes by another way the place
-    // must be one that holds the hand; what the reference, which mends nothing, cannot say is only counted.
+    // These meshes have holes, crossings and edges of many faces. Where the walk takes another path, its
+    // place must still hold the hand. The reference repairs nothing, so cases that it cannot decide are only
+    // counted.
     const Mesh mesh(given(*shape), {.exact = true});
     const exact::Surface truth = surface_of(*shape);
     Verdict v = judge_all(mesh, truth, *shape, allowed_of(truth, true, mesh.notes().faces_crossed > 0),
@@ -185,7 +186,8 @@ INSTANTIATE_TEST_SUITE_P(Npm, FetchedMesh,
                          testing::Values("bunny", "dragon_11k", "dragon_48k", "dragon_203k", "dragon_871k"),
                          [](const auto& mesh) { return std::string(mesh.param); });
 
-/// Hands that once fell in where folds of the decimated dragons pass through each other from a common vertex.
+/// Hands that once fell in where folds of the decimated dragons, from a common vertex on, pass through each
+/// other.
 TEST(FetchedMeshes, HoldsHandsThatOnceFellThrough) {
     const std::pair<const char*, std::vector<std::uint64_t>> hands[] = {{"dragon_11k", {8, 33, 45, 141}},
                                                                         {"dragon_48k", {17}}};

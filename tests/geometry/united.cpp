@@ -1,6 +1,6 @@
-// What touches or crosses in one mesh holds the hand like one: random approaches to floors and walls, and to
-// boxes with a gap, a step or an overlap between them. The judge knows the solid in closed form and shares
-// nothing with the builder.
+// Parts that touch or cross in one mesh hold the hand like one body: random approaches to floors and walls,
+// and to boxes with a gap, a step or an overlap between them. The expected solid is known in closed form,
+// and shares no code with the builder.
 //
 // KNURL_APPROACHES: how many of each kind (scripts/approaches: a million in all).
 
@@ -58,8 +58,8 @@ std::uint64_t approaches(std::uint64_t usual) {
     return asked ? std::strtoull(asked, nullptr, 10) : usual;
 }
 
-/// One hand: down onto `entry` against `normal`, so deep, then along `way`. depth_in(p): how deep p lies in
-/// what holds (m).
+/// One hand: down onto `entry` against `normal` to the depth `deep`, then along `way`. depth_in(p): the
+/// depth of p in the solid (m).
 template <class DepthIn>
 void approach(const Mesh& mesh, const Matrix3d& turn, const Vector3d& shift, const Vector3d& entry,
               const Vector3d& normal, double deep, const Vector3d& way, double step, double slack,
@@ -102,8 +102,8 @@ constexpr int hands_per_mesh = 50;
 
 enum class Seam { gap, step, overlap, deep };
 
-/// Two boxes side by side along x. Of what lies between them in a gap the judge asks nothing, but that a hand
-/// in it deeper than the gap is wide is held.
+/// Two boxes side by side along x. In a gap between them only one thing is demanded: a hand that is deeper
+/// in it than the gap is wide is held.
 Counts boxes(Seam seam, std::uint64_t count, Rng& rng) {
     Counts counts;
     while (counts.approaches < count) {
@@ -111,7 +111,7 @@ Counts boxes(Seam seam, std::uint64_t count, Rng& rng) {
                 {0, between(rng, 0.02, 0.05), between(rng, 0.01, 0.03)}};
         Block b{a.low, a.high};
         b.low.x() = 0, b.high.x() = between(rng, 0.03, 0.08);
-        const int kind = static_cast<int>(below(rng, 3));  // the same size, flush on top, of any size
+        const int kind = static_cast<int>(below(rng, 3));  // of the same size; flush on top; of any size
         if (kind > 0) b.low.y() = -between(rng, 0.01, 0.06), b.high.y() = between(rng, 0.01, 0.06);
         if (kind > 1) b.low.z() = -between(rng, 0.01, 0.06), b.high.z() = between(rng, 0.005, 0.04);
         const double size = (a.high.cwiseMax(b.high) - a.low.cwiseMin(b.low)).norm();
@@ -146,7 +146,7 @@ Counts boxes(Seam seam, std::uint64_t count, Rng& rng) {
             return std::max({a.depth(p), b.depth(p), gap >= -1e-4 * size ? slit.depth(p) : -1.0});
         };
         for (int hand = 0; hand < hands_per_mesh && counts.approaches < count; ++hand) {
-            // Onto the top, a side or the bottom of either, near the seam.
+            // Onto the top, a side or the bottom of either box, near the seam.
             const double step = 1e-3 * std::pow(10, between(rng, -3, std::log10(0.3)));
             const double length = std::min(0.015, 120 * step);
             const Block& on = below(rng, 2) == 0 ? a : b;
@@ -158,7 +158,7 @@ Counts boxes(Seam seam, std::uint64_t count, Rng& rng) {
             entry[axis] = side > 0 ? on.high[axis] : on.low[axis];
             entry.x() = between(rng, -1, 1) * length;
             entry.x() = std::clamp(entry.x(), on.low.x() + 1e-5, on.high.x() - 1e-5);
-            if (depth(entry + normal * std::max(2 * step, 1e-4)) > 0) continue;  // the other one covers it
+            if (depth(entry + normal * std::max(2 * step, 1e-4)) > 0) continue;  // the other box covers it
             const double deep = std::min(std::pow(10, between(rng, -3.5, -2.2)), 0.008);
             Vector3d way{(entry.x() > 0 ? -2 : 2) * length, between(rng, -1, 1) * length, 0};
             way[axis] = 0;
@@ -210,8 +210,8 @@ double volume_of(const Mesh& mesh) {
     return six / 6;
 }
 
-// Steps as high as what makes one point of two: edges, and lines across the walls, lie a little beside each other
-// everywhere, and cuts come out open: then it takes a coarser eye.
+// The step is about as high as the distance within which two points become one. So edges lie a little beside
+// each other everywhere, and cuts would stay open; the builder then has to cut with a coarser tolerance.
 TEST(United, BoxesThatAreFlushButForAPointsSizeStayWhole) {
     Rng rng(seed() + 6000);
     const int count = static_cast<int>(approaches(3000) / 30);
@@ -239,8 +239,8 @@ TEST(United, BoxesThatAreFlushButForAPointsSizeStayWhole) {
     }
 }
 
-/// A floor z = 0 and a wall that leans over it by `angle`, through it or on it. The fronts: up, and towards
-/// the wedge between them.
+/// A floor z = 0 and a wall that leans over it by `angle`, through it or on it. Their fronts face up, and
+/// into the wedge between them.
 Counts leaning(bool through, std::uint64_t count, Rng& rng) {
     Counts counts;
     while (counts.approaches < count) {
@@ -248,11 +248,11 @@ Counts leaning(bool through, std::uint64_t count, Rng& rng) {
         const double half = 0.05;
         const int n = 1 + static_cast<int>(below(rng, 10)), m = 1 + static_cast<int>(below(rng, 10));
         MadeMesh shape = grid(n, n, 2 * half / n, 2 * half / n);
-        // Front of a grid: z up. Turned about y it leans: its front looks down into the wedge.
+        // The front of a grid is z up. Turned about y it leans, and its front looks down into the wedge.
         MadeMesh wall = grid(m, m, 2 * half / m, 2 * half / m);
         const Vector3d up(std::cos(angle), 0, std::sin(angle)), y(0, 1, 0);
         const double low = through ? -between(rng, 0.001, 0.04) : 0;
-        const bool acute = below(rng, 2) == 0;  // the wedge that is free: under the wall, or over it
+        const bool acute = below(rng, 2) == 0;  // the free wedge is under the wall, or over it
         for (auto& v : wall.vertices) {
             const Vector3d p = up * (v[0] + half + low) + y * (acute ? -v[1] : v[1]) * 1.01;
             v = {p.x() + 1e-3, p.y(), p.z()};

@@ -13,8 +13,8 @@ using exact::V;
 
 namespace {
 
-/// Of the size: what is nearer to a rim than that may be taken for a seam that was not welded (3 um at 0.2
-/// m).
+/// As a share of the size: a place nearer to a rim than this may be taken for a seam that was not welded (4
+/// um at 0.2 m).
 constexpr Real rim = 2e-5L;
 
 V to_v(const Eigen::Vector3d& p) {
@@ -89,7 +89,7 @@ std::ostream& operator<<(std::ostream& out, Verdict v) {
 Allowed allowed_of(const exact::Surface& surface, bool exact, bool crossed) {
     const Real far = std::max(length(surface.low()), length(surface.high()));
     const double size = static_cast<double>(surface.size());
-    // A place so far from the origin is a double itself.
+    // The rounding of a place at that distance from the origin, which is a double.
     const double place = 0x1p-51 * static_cast<double>(far);
     return {.same = (crossed ? 1e-6
                      : exact ? 5e-11
@@ -105,7 +105,7 @@ Verdict judge(const Mesh& mesh, const exact::Surface& truth, const Hand& hand, c
     exact::GodObject god(truth);
     const Real deep = truth.size() / 1000, jump = truth.size() / 200;
     V offset, reference_offset, before;
-    // A fresh one that begins inside is let out by both; nothing is said of it.
+    // Walk and reference both let out a hand that begins inside, so it is not judged.
     if (truth.nearly_closed() && truth.winding(exact::to_exact(hand[0])) > 0.5L) return v;
     for (std::size_t i = 0; i < hand.size(); ++i) {
         const V h = exact::to_exact(hand[i]);
@@ -129,7 +129,7 @@ Verdict judge(const Mesh& mesh, const exact::Surface& truth, const Hand& hand, c
             if (v.first_wrong.empty()) v.first_wrong = where(i, hand, what, at, right);
         };
         if (touches &&
-            !(foot.depth == 0 && work.faces >= max_walk_faces)) {  // on its way, and felt as nothing
+            !(foot.depth == 0 && work.faces >= max_walk_faces)) {  // not there yet, and without force
             const V back = at - h;
             const bool fits = std::fabs(foot.normal.norm() - 1) < 1e-9 && foot.depth >= 0 &&
                               distance(back, foot.depth * to_v(foot.normal)) < allowed.same;
@@ -141,7 +141,7 @@ Verdict judge(const Mesh& mesh, const exact::Surface& truth, const Hand& hand, c
             v.reference_jumps += distance(right - h, reference_offset) > jump + step;
         }
         offset = at - h, before = h;
-        // Where several parts touch, the one that it says; a spoiled mesh counts its triangles otherwise.
+        // Where several parts touch, the face that the walk names; a spoiled mesh has other triangle numbers.
         const auto face_at = [&](const V& p, const Foot& its) {
             const int said = truth.face_of(static_cast<int>(its.triangle));
             const bool there = said >= 0 && distance(truth.nearest(said, p).point, p) <= allowed.same;
@@ -155,7 +155,7 @@ Verdict judge(const Mesh& mesh, const exact::Surface& truth, const Hand& hand, c
         };
         if (one_place(right)) {
             if (touches && should) v.errors.push_back(static_cast<double>(apart));
-            if (touches != should) {  // by rounding; from here on as it says
+            if (touches != should) {  // by rounding; the reference goes on from the walk's state
                 ++v.border;
                 if (touches) god.put(right, face_at(right, foot));
                 if (!touches) god.let_go(h);
@@ -178,7 +178,7 @@ Verdict judge(const Mesh& mesh, const exact::Surface& truth, const Hand& hand, c
         } else {
             const int face = face_at(at, foot);
             const exact::Nearest3 on = truth.nearest(face, at);
-            exact::GodObject there(truth);  // where the surface itself comes to rest from there
+            exact::GodObject there(truth);  // where a god-object from that place comes to rest
             there.put(on.point, face);
             const Real gain =
                 there.step(h) ? truth.gain(there.at(), h, 1e-13L * truth.size(), there.face()) : INFINITY;

@@ -1,8 +1,7 @@
 #pragma once
-// The walk and the reference under the same hand, cycle by cycle, and what becomes of their differences.
-// Where a hand crosses a ridge the surface may hold it in one of two places that are both right; such a place
-// is told from a wrong one by asking all faces around it whether one is nearer (Surface::gain), and the
-// reference then goes on from there.
+// Compares the walk with the reference under the same hand, cycle by cycle. Where a hand crosses a ridge, the
+// surface may hold it at one of two points. Both are right if no face around them is nearer to the hand
+// (Surface::gain); the reference then goes on from the walk's point.
 
 #include <ostream>
 
@@ -17,13 +16,13 @@ namespace knurl::test {
 
 struct Verdict {
     std::uint64_t cycles = 0, touching = 0, reference_touching = 0;
-    std::uint64_t other_place = 0;  // cycles in which it came to another place that is as right
-    std::uint64_t border = 0;       // that touch or not by rounding, or rest on a rim
-    std::uint64_t capped = 0;       // in which the walk had no more faces to look at, and was elsewhere
-    std::uint64_t wrong = 0;        // a place that no face holds it in, or none where there must be one
-    std::uint64_t lost = 0;         // not touching, deeper inside than a thousandth of the size
+    std::uint64_t other_place = 0;  // cycles in which the walk came to another place that is also right
+    std::uint64_t border = 0;       // in which rounding decides about contact, or the proxy rests on a rim
+    std::uint64_t capped = 0;       // in which the walk reached its limit of faces before the place
+    std::uint64_t wrong = 0;        // with a place at which no face holds, or without a place that must be
+    std::uint64_t lost = 0;         // without contact, deeper inside than a thousandth of the size
     std::uint64_t not_finite = 0, over_work = 0, misfit = 0;  // misfit: the foot does not fit itself
-    std::uint64_t jumps = 0, reference_jumps = 0;             // of the place under the hand, by size / 200
+    std::uint64_t jumps = 0, reference_jumps = 0;             // of the place from the hand, by size / 200
     std::vector<double> errors;                               // m, where both touch in one place
     double worst_gain = 0;                                    // m
     Work most;
@@ -35,15 +34,15 @@ struct Verdict {
 std::ostream& operator<<(std::ostream& out, Verdict v);
 
 struct Allowed {
-    double same = 0;  // m: nearer than that it is one place
-    // m, of corners: it tilts a face, and the deeper the hand the farther its foot moves
+    double same = 0;  // m: nearer places are the same place
+    // m, of corners. It tilts a face, which moves the foot in proportion to the hand's depth
     double rounding = 0;
 };
-/// What float corners, or double ones, may be off on a mesh of that size so far from the origin. Where
-/// surfaces cross, the active set keeps 5e-7 of the size away from each of up to three planes.
+/// The error that corners in float, or double, permit on a mesh of that size and distance from the origin.
+/// Where surfaces cross, the active set stays 5e-7 of the size away from each of up to three planes.
 Allowed allowed_of(const exact::Surface& surface, bool exact, bool crossed = false);
 
-/// One hand; both begin anew. `truth`: of what should be felt.
+/// Judges one hand, with a new proxy and a new reference. `truth`: the surface that should be felt.
 Verdict judge(const Mesh& mesh, const exact::Surface& truth, const Hand& hand, const Allowed& allowed);
 
 /// All kinds of hands, `times` of each.

@@ -1,4 +1,4 @@
-// What a proxy does where the answer can be written down.
+// A proxy in cases with a known answer.
 
 #include <Eigen/Geometry>
 
@@ -27,8 +27,8 @@ void expect_foot(const Finger& finger, const Vector3d& point, const Vector3d& no
     EXPECT_NEAR(finger.foot.depth, depth, within);
 }
 
-/// A fin without thickness, both sides of it told, on a floor of five triangles whose corners meet at the
-/// fin's foot. Which of its sides the walk meets first is a matter of their order.
+/// A fin without thickness, given with both sides, on a floor of five triangles whose corners meet at the
+/// fin's foot. The order of the triangles decides which side of the fin the walk meets first.
 TEST(Walk, AHandDoesNotComeThroughAFinAroundItsFoot) {
     for (const std::array<std::size_t, 2>& order : {std::array<std::size_t, 2>{5, 6}, {6, 5}}) {
         for (const double side : {-1.0, 1.0}) {
@@ -102,7 +102,7 @@ TEST(Walk, RestsInAnInnerCornerOnItsVertexAndEdge) {
     expect_foot(finger, {0, 0, 0.03}, {1, 2, 0}, std::sqrt(5e-6));
     ASSERT_TRUE(finger.along({-0.001, -0.002, 0.03}, {-0.001, -0.002, -0.003}, 100));
     expect_foot(finger, {0, 0, 0}, {1, 2, 3}, std::sqrt(14e-6));
-    // Up the corner between two walls: freed by neither.
+    // Up the edge between two walls: both keep holding.
     ASSERT_TRUE(finger.along({-0.001, -0.002, -0.003}, {-0.001, -0.002, 0.05}, 200));
     expect_foot(finger, {0, 0, 0.05}, {1, 2, 0}, std::sqrt(5e-6));
     EXPECT_FALSE(finger.to(0.001, 0.001, 0.05));
@@ -183,7 +183,7 @@ TEST(Walk, WhatIsNotANumberMeetsNothing) {
     EXPECT_FALSE(finger.to(1e300, 1e300, -1e300));
     EXPECT_FALSE(finger.to(middle + Vector3d(0, 0.01, 0.06)));
     EXPECT_TRUE(finger.to(middle + Vector3d(0, 0.01, 0.049)));
-    finger.proxy.face = 123456789;  // as of another mesh
+    finger.proxy.face = 123456789;  // as if it were of another mesh
     EXPECT_FALSE(finger.to(middle + Vector3d(0, 0.01, 0.049)));
 }
 
@@ -221,8 +221,8 @@ TEST(Walk, ShadedNormalsAreContinuousAndThoseOfTheSphere) {
     }
 }
 
-// A floor and a wall that share no vertex: pressed into the floor and dragged at the wall, and through it.
-// The wall stands on the floor's edges, or in the middle of its faces.
+// A floor and a wall that share no vertex. The hand presses into the floor, and is dragged to the wall and
+// through it. The wall stands on the floor's edges, or in the middle of its faces.
 class WalkInATangle : public testing::TestWithParam<bool> {};
 INSTANTIATE_TEST_SUITE_P(WallOnEdges, WalkInATangle, testing::Bool());
 TEST_P(WalkInATangle, AWallThatCrossesTheFloorIsNotPassedBelow) {
@@ -259,8 +259,8 @@ TEST_P(WalkInATangle, AWallThatCrossesTheFloorIsNotPassedBelow) {
     EXPECT_FALSE(finger.to(0.012, 0.0031, 0.0001));
 }
 
-// Beyond the tip of a wedge of 30 degrees the hand is still behind the plane of the face that held it: one
-// face's normal alone would keep it at the edge for ever.
+// Beyond the tip of a wedge of 30 degrees the hand is still behind the plane of the face that held it. The
+// normal of one face alone would hold it at the edge without end.
 TEST(Walk, LetsGoBeyondTheEdgeOfAKnife) {
     const double t = 0.1 * std::tan(M_PI / 6);
     MadeMesh wedge;
@@ -285,7 +285,7 @@ TEST(Walk, LetsGoBeyondTheEdgeOfASheetWithTwoSides) {
     EXPECT_FALSE(finger.to(0.0201, 0.0011, -0.001));
 }
 
-// Over an edge by less than the distance to it can tell: the foot follows all the same.
+// The hand is past an edge by less than a distance can resolve: the foot must follow nevertheless.
 TEST(Walk, IsExactBesideAnEdge) {
     const auto mesh = build(plane_grid());
     const double edge = 0.002;
@@ -298,7 +298,7 @@ TEST(Walk, IsExactBesideAnEdge) {
     }
 }
 
-// Faces that only lie side by side: no link says so, the tree does.
+// Faces that lie side by side without a link between them: the walk finds them through the tree.
 TEST(Walk, GoesOverSeamsThatAreNotWelded) {
     Rng rng(3);
     for (const MadeMesh& shape :

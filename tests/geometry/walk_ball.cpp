@@ -1,4 +1,4 @@
-// A probe with a radius, and a proxy that is put on another mesh.
+// A probe with a radius, and a proxy that moves to another mesh.
 
 #include "exact/surface.hpp"
 #include "paths.hpp"
@@ -41,8 +41,8 @@ TEST(WalkWithARadius, RollsOverAConvexEdge) {
     EXPECT_FALSE(finger.to(corner + Vector3d(0.00142, 0, 0.00142)));
 }
 
-// While the centre is in front the depth is that of the nearest point of all: it never jumps, though in a
-// concave corner its direction does.
+// While the centre is in front, the depth is that of the nearest point. It never jumps, although its
+// direction does in a concave corner.
 TEST(WalkWithARadius, InFrontItsDepthIsThatOfTheNearestPoint) {
     const std::uint64_t seed = 5;
     for (const MadeMesh& shape : {noisy_sphere(4, 0.3, seed), staircase()}) {
@@ -54,7 +54,7 @@ TEST(WalkWithARadius, InFrontItsDepthIsThatOfTheNearestPoint) {
             Finger finger(*mesh, radius);
             for (const auto& p : hands.hover()) {
                 const bool touches = finger.to(p);
-                if (++cycle % 5 != 0) continue;  // looking at all faces takes long
+                if (++cycle % 5 != 0) continue;  // searching all faces takes long
                 const exact::V h = exact::to_exact(p);
                 if (surface.winding(h) > 0.5L) continue;
                 const int face = surface.nearest_face(h);
@@ -96,7 +96,8 @@ TEST(WalkWithARadius, OneThatIsNoneIsAPoint) {
     }
 }
 
-// A radius that changes while an empty box is known: the box holds for the radius that it was made for.
+// The radius changes while an empty box is known: the box is valid only for the radius with which it was
+// made.
 TEST(WalkWithARadius, MayChangeFromCycleToCycle) {
     const auto mesh = build(plane_grid());
     Proxy proxy;
@@ -125,7 +126,7 @@ TEST(WalkAdopts, AnotherMeshUnderTheHandKeepsItsPlace) {
     EXPECT_EQ(finger.proxy.phase, Proxy::Phase::touching);
     Foot foot;
     ASSERT_TRUE(follow(*to, finger.proxy, hand, 0, foot, work));
-    EXPECT_LT((foot.point - before.point).norm(), 0.002);  // what the meshes differ by
+    EXPECT_LT((foot.point - before.point).norm(), 0.002);  // the difference of the meshes
     EXPECT_GT(foot.normal.dot(before.normal), 0.97);
     // The same mesh again: nothing moves.
     adopt(*to, finger.proxy, hand, work);

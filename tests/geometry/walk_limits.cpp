@@ -1,4 +1,4 @@
-// That no cycle takes long, allocates, or lets go where it may not.
+// No cycle takes long, allocates, or lets go where it must hold.
 
 #include "../reps/count_allocations.hpp"
 #include "paths.hpp"
@@ -26,7 +26,7 @@ TEST(WalkWithinLimits, WhereverTheHandIsThrownTo) {
     }
 }
 
-// A cap bites where a hand is thrown: in the cycles that follow the walk gets where it was going.
+// The limit of work ends a walk after a long jump of the hand; in the following cycles the walk arrives.
 TEST(WalkWithinLimits, GoesOnInTheNextCycle) {
     const auto mesh = build(icosphere(6), false);
     Finger finger(*mesh);
@@ -45,8 +45,8 @@ TEST(WalkWithinLimits, GoesOnInTheNextCycle) {
     EXPECT_GT(finger.foot.normal.dot(hand.normalized()), 0.999);
 }
 
-// From behind through twenty thousand sheets, against the front of the last one: more boxes than a cycle may
-// look into. The rest of the way is looked at in the cycles that follow, and the last sheet holds.
+// A path from behind through twenty thousand sheets, against the front of the last one: more boxes than a
+// cycle may search. The following cycles search the rest of the path, and the last sheet holds.
 TEST(WalkWithinLimits, ASweepThatALimitCutsGoesOn) {
     MadeMesh shape;
     constexpr std::uint32_t sheets = 20000;
@@ -96,7 +96,7 @@ TEST(WalkWithinLimits, AllocatesNothing) {
     EXPECT_EQ(allocations(), before);
 }
 
-// In and out by rounding, 240 000 times, on faces, edges and corners: never falls in.
+// Goes in and out by rounding, 240 000 times, on faces, edges and corners, and never falls in.
 TEST(WalkWithinLimits, GrazingNeverFallsIn) {
     const MadeMesh shape = icosphere(3);
     for (const bool exact : {true, false}) {
@@ -110,8 +110,8 @@ TEST(WalkWithinLimits, GrazingNeverFallsIn) {
                 const auto& p = shape.vertices[shape.triangles[i][k]];
                 return Vector3d(p[0], p[1], p[2]);
             };
-            // A corner, a place of an edge, of the face; and so little from it that only rounding tells
-            // where.
+            // A corner, or a point of an edge or of the face; and so close to it that only rounding decides
+            // about contact.
             const double u = place % 3 == 0 ? 0 : between(rng, 0, 1),
                          v = place % 3 < 2 ? 0 : between(rng, 0, 1 - u);
             const Vector3d x = at(0) + u * (at(1) - at(0)) + v * (at(2) - at(0)), out = x.normalized();
@@ -129,7 +129,7 @@ TEST(WalkWithinLimits, GrazingNeverFallsIn) {
     }
 }
 
-// What is near and what is off are parts of the size.
+// All tolerances scale with the size.
 TEST(WalkWithinLimits, LetsGoAtTheSamePartOfAnySize) {
     for (const double scale : {1e-3, 1.0, 1e3}) {  // 40 um, 4 cm, 40 m
         const auto mesh = build(scaled(plane_grid(), scale));
@@ -150,7 +150,7 @@ TEST(WalkWithinLimits, LetsGoAtTheSamePartOfAnySize) {
 TEST(WalkWithinLimits, CrossingSheetsOfAnySizeAnywhere) {
     for (const double scale : {2e-4, 1.0, 200.0}) {
         for (const double far : {0.0, 1e3, 1e6}) {
-            if (far > 0 && scale < 1) continue;  // a double's own steps there are a part of it
+            if (far > 0 && scale < 1) continue;  // the resolution of a double is too coarse there
             const exact::V off{far, -far / 3, far / 7};
             const auto mesh = build(moved(scaled(crossing_sheets(), scale), off));
             const Vector3d o(double(off.x), double(off.y), double(off.z));
@@ -168,7 +168,7 @@ TEST(WalkWithinLimits, CrossingSheetsOfAnySizeAnywhere) {
     }
 }
 
-// Free where there is room: no look at the mesh at all in most cycles.
+// In free space most cycles do not search the mesh at all.
 TEST(WalkWithinLimits, FreeWithRoomLooksAtNothing) {
     const auto mesh = build(icosphere(5), false);
     Finger finger(*mesh);

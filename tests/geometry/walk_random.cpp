@@ -1,5 +1,5 @@
-// Random hands on random meshes: the proxy is where nothing near is nearer to the hand, at every size and far
-// from the origin, and what touches is what the exact god-object says touches.
+// Random hands on random meshes: no place near the proxy is nearer to the hand, at every size and far from
+// the origin, and the proxy touches whenever the exact god-object does.
 
 #include "exact/god_object.hpp"
 #include "exact/surface.hpp"
@@ -16,7 +16,7 @@ V exact_of(const Eigen::Vector3d& p) {
     return {p.x(), p.y(), p.z()};
 }
 
-/// The path of every kind, a few of each.
+/// Paths of every kind, `each` of each.
 std::vector<Hand> some_hands(const MadeMesh& shape, std::uint64_t seed, int each) {
     Hands hands(shape, seed);
     std::vector<Hand> all;
@@ -32,10 +32,10 @@ std::vector<Hand> some_hands(const MadeMesh& shape, std::uint64_t seed, int each
 
 struct Found {
     std::size_t cycles = 0, touching = 0, lost = 0, elsewhere = 0;
-    double worst = 0, worst_gain = 0;  // of the size
+    double worst = 0, worst_gain = 0;  // as a share of the size
 };
 
-/// Beside the exact god-object, which is put where the proxy is when both had the choice.
+/// Compares with the exact god-object, which is moved to the proxy's place if both places were right.
 Found beside_the_judge(const MadeMesh& shape, const std::vector<Hand>& hands) {
     const exact::Surface surface(shape.vertices, shape.triangles);
     const auto mesh = build(shape);
@@ -62,7 +62,7 @@ Found beside_the_judge(const MadeMesh& shape, const std::vector<Hand>& hands) {
                     }
                 }
             }
-            // To rounding it may touch in the one and not in the other.
+            // By rounding, only one of the two may touch.
             const bool shallow = (touches ? finger.foot.depth : 0) < 1e-6 * size &&
                                  (held ? double(exact::distance(judge.at(), h)) : 0) < 1e-6 * size;
             if (touches != held && !shallow) ++found.lost;

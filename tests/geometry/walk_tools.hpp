@@ -1,5 +1,5 @@
 #pragma once
-// A proxy on a mesh of which every cycle is watched: nothing that is not a number, no more work than the
+// A proxy on a mesh, of which every cycle is checked: all results are finite, and the work is within its
 // limits.
 
 #include <cmath>
@@ -17,7 +17,7 @@ namespace knurl::test {
 inline Triangles view(const MadeMesh& shape) {
     return {.vertices = shape.vertices, .triangles = shape.triangles};
 }
-/// Without `unite` what crosses stays as it is, and the walk has to cope with it.
+/// Without `unite` faces that cross are not cut, and the walk has to handle them.
 inline std::unique_ptr<Mesh> build(const MadeMesh& shape, bool exact = true, bool unite = true) {
     return std::make_unique<Mesh>(view(shape),
                                   MeshBuild{.exact = exact, .budget = std::size_t{1} << 30, .unite = unite});
@@ -27,7 +27,7 @@ class Finger {
   public:
     explicit Finger(const Mesh& mesh, double radius = 0) : mesh_(&mesh), radius_(radius) {}
 
-    /// True: it touches.
+    /// Moves the hand there. True: the proxy touches.
     bool to(const Eigen::Vector3d& hand) {
         work = {};
         foot = {};
@@ -48,7 +48,7 @@ class Finger {
     }
     bool to(double x, double y, double z) { return to(Eigen::Vector3d(x, y, z)); }
     bool to(const std::array<double, 3>& p) { return to(Eigen::Vector3d(p[0], p[1], p[2])); }
-    /// In steps, beginning after where it was.
+    /// Moves in steps, the first of which ends one step after `from`.
     bool along(const Eigen::Vector3d& from, const Eigen::Vector3d& end, int steps) {
         bool touches = false;
         for (int i = 1; i <= steps; ++i) touches = to(from + (end - from) * (double(i) / steps));

@@ -1,5 +1,4 @@
-// The rimmed cap with one curvature and with two: within the rim, beyond it, under its centre, felt by thick
-// probes.
+// The cap with one curvature and with two: within the rim, beyond it, near its centre, with thick probes.
 
 #include <knurl/reps/cap.hpp>
 
@@ -36,7 +35,7 @@ CapScene any_cap(Rng& rng, bool two) {
     c.rim = rng.one_in(4) ? rng.of(0, 0.5) : rng.one_in(2) ? 0.15 : rng.uniform(0, 0.5);
     Vector p = size * rng.uniform(-1, 0.3) * n;
     if (!rng.one_in(10)) p += size * (rng.uniform(-1, 1) * axis + rng.uniform(-1, 1) * beside);
-    if (rng.one_in(20)) {  // at the centre of a curvature, about
+    if (rng.one_in(20)) {  // at or near a centre of curvature
         const double k = rng.one_in(2) && two ? c.curvature2 : c.curvature;
         if (std::abs(k) > 1e-3)
             p = n / k + (rng.one_in(2) ? 0 : rng.scale(1e-15, 1e-3) * size) * rng.direction();
@@ -53,7 +52,7 @@ void judge_cap(Case& c, bool two) {
     CapScene s = any_cap(rng, two);
     if (two && std::abs(s.cap.curvature) == std::abs(s.cap.curvature2) &&
         s.cap.curvature != s.cap.curvature2) {
-        return c.skip();  // which of two equal and opposite ones is the ring's is not said
+        return c.skip();  // it is not defined which of two opposite curvatures is the ring's
     }
     const Limits limits = any_limits(rng);
     const Real k = any_material(rng, s.cap, limits);

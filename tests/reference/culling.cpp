@@ -1,5 +1,5 @@
-// Skipping changes nothing: a scene of bounded surfaces against the same scene in which each is evaluated in
-// every cycle.
+// Culling changes nothing: compares a scene of bounded surfaces with the same scene in which every surface is
+// evaluated in every cycle.
 
 #include <algorithm>
 #include <array>
@@ -148,7 +148,7 @@ struct Figures {
     std::uint64_t cycles = 0, felt = 0, skipped = 0, evaluated = 0, contradicting = 0;
 };
 
-/// Of a case that is run again: which surfaces differ.
+/// For a case that is run again: prints which surfaces differ.
 void tell(const World& w, int cycle, double dt, const Probe& hand) {
     std::printf("cycle %d dt %g at %g %g %g\n", cycle, dt, hand.position.x(), hand.position.y(),
                 hand.position.z());
@@ -197,7 +197,7 @@ void judge_culling(Case& c, std::uint32_t surfaces, int cycles, Figures& figures
         if (rng.one_in(3))
             hand.orientation = (hand.orientation * Eigen::Quaterniond(1, 0.001, 0, 0)).normalized();
         if (rng.one_in(4)) {
-            // Near the hand as often as anywhere: what moves under it matters.
+            // Every second change is near the hand, where surfaces that move matter most.
             const Vector p = rng.one_in(2) ? w.anywhere() : Vector(hand.position + 0.01 * rng.direction());
             const std::uint32_t which =
                 static_cast<std::uint32_t>(rng.between(0, static_cast<int>(surfaces) - 1));
@@ -211,7 +211,7 @@ void judge_culling(Case& c, std::uint32_t surfaces, int cycles, Figures& figures
         figures.evaluated += w.pair.exhaustive.evaluated();
         c.require(finite(got), "finite");
         figures.contradicting += has_flag(w.pair.exhaustive, Feedback::infeasible);
-        constexpr Real force = 2000 * 0.3L, size = 0.3L;  // N, of the stiffest over the world; m
+        constexpr Real force = 2000 * 0.3L, size = 0.3L;  // N: largest stiffness times the world's size; m
         if (c.replayed() && (got.force - want.force).norm() > 1e-9) tell(w, i, dt, hand);
         c.require(!(want.force.norm() > 1e-3) || got.force.norm() > 0, "no contact is missed");
         c.compare(got.force, real(want.force), force);

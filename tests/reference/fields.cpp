@@ -40,7 +40,7 @@ Vector any_origin(Rng& rng) {
     return rng.of(0, 0.1, 0.1, 10, 1e6) * rng.direction();
 }
 
-/// One effect alone, as soon as it is there.
+/// The wrench of one effect alone, settled.
 template <class R>
 Wrench felt(Case& c, const R& effect, const Probe& hand, const Limits& limits) {
     Scene scene({2, 1}, limits);
@@ -70,8 +70,8 @@ exact::Matrix any_jacobian(Rng& rng, int size, double* out) {
     return m;
 }
 
-/// How far the device lets the edge go is the field's own (tests/reps/taylor_edges.cpp bounds it): from there on it
-/// is what its formula says.
+/// Takes the edge from the prepared field: how far the device lets the edge go is bounded in
+/// tests/reps/taylor_edges.cpp, and only the formula with that edge is judged here.
 template <class R>
 void take_edge(const R& prepared, exact::Taylor& out) {
     out.core = prepared.core;
@@ -81,7 +81,7 @@ void take_edge(const R& prepared, exact::Taylor& out) {
     out.size = std::sqrt(square);
 }
 
-/// Of the share of the energy, and of its slope.
+/// The scale of rounding of the energy's share and of its slope.
 Real edge_scale(const exact::Taylor& t, Real size, Real reach) {
     const Real width = (1 - t.core) * t.radius;
     return size / width * reach * (1 + 6 * t.radius / width);
@@ -164,7 +164,7 @@ TEST(Fields, Taylor6) {
         const Real j = largest_of(want_of.jacobian) + 50;
         const Real size =
             exact::length(real(t.force)) + exact::length(real(t.torque)) + j * (t.radius + t.angle);
-        // Clamping takes J to units in which a radian is sqrt(torsion / stiffness) metres and back.
+        // Clamping converts J to units in which a radian is sqrt(torsion / stiffness) metres, and back.
         const Real metres = limits.max_torsion < 1e9 && limits.max_stiffness < 1e9
                                 ? std::sqrt(Real(limits.max_torsion) / Real(limits.max_stiffness))
                                 : 1;
@@ -233,8 +233,8 @@ TEST(Fields, Magnet) {
         const Real reach = std::max({exact::length(real(hand.position)), exact::length(real(m.position)),
                                      Real(m.radius), Real(m.max_distance)});
         const Real falls = m.max_force / (m.max_distance - Real(m.max_force) / m.stiffness);
-        // At a point's or a sphere's middle the direction turns as fast as rounding / distance; a sphere's is
-        // rounded off.
+        // Near a point, or the centre of a sphere, rounding turns the direction by rounding / distance. A
+        // sphere's field is smoothed there.
         const Real q = exact::length(real(hand.position) - real(m.position));
         const Real e = m.radius > 0 ? std::min(Real(1e-3L), Real(m.radius) / 20) : 0;
         const Real steep = m.radius > 0 ? Real(m.max_force) / std::sqrt(q * q + e * e) : 0;

@@ -13,7 +13,7 @@ using knurl::Plane;
 
 namespace {
 
-/// A law and the same as parameters of a surface.
+/// A friction law, and the same law as parameters of a surface.
 struct Rub {
     exact::Law law;
     knurl::Friction friction;
@@ -44,7 +44,7 @@ Rub any_rub(Rng& rng, double stiffness, const Limits& limits, exact::Law::Kind k
 void judge_friction(Case& c, exact::Law::Kind kind, bool corner) {
     Rng& rng = c.rng;
     Limits limits;
-    limits.resolution = rng.of(1e-7, 3e-5);  // 0 would let rounding set the paper's snags
+    limits.resolution = rng.of(1e-7, 3e-5);  // with 0, rounding would decide where the paper's snags catch
     if (rng.one_in(3)) limits.max_stiffness = rng.uniform(800, 2000);
     const double stiffness = rng.uniform(200, 800);
     Rub rub = any_rub(rng, stiffness, limits, kind);
@@ -61,7 +61,7 @@ void judge_friction(Case& c, exact::Law::Kind kind, bool corner) {
         p.offset = knurl::to_eigen(p.normal).dot(at_first);
         planes.push_back(p);
     }
-    // A plane alone may move along itself and carry the anchor.
+    // A single plane may move along itself, and then carries the anchor.
     Vector carried = Vector::Zero();
     if (!corner && rng.one_in(3)) carried = rng.uniform(-0.1, 0.1) * line;
     for (Plane& p : planes) p.velocity = knurl::to_plain(carried);
@@ -126,7 +126,7 @@ void judge_friction(Case& c, exact::Law::Kind kind, bool corner) {
                         (1 + 1e-9L) +
                     1e-12L * k * reach,
             "no more than its coefficients allow");
-        if (!(c.worst() <= bound)) return;  // what follows is another story
+        if (!(c.worst() <= bound)) return;  // after one error the rest of the path says nothing
     }
 }
 

@@ -1,7 +1,6 @@
 #pragma once
-// Runs cases and keeps the worst. A case is a function of its seed alone: KNURL_SEED=n runs that one again,
-// with
-// --gtest_filter for the kind; KNURL_LONG=1 runs a million of each kind, KNURL_FIRST=n begins at another
+// Runs cases and keeps the worst. A case is a function of its seed alone: KNURL_SEED=n runs one again (with
+// --gtest_filter for the kind), KNURL_LONG=1 runs a million of each kind, KNURL_FIRST=n begins at another
 // seed.
 
 #include <cmath>
@@ -36,7 +35,7 @@ inline exact::Device device_of(const Limits& limits) {
     return {limits.max_stiffness, limits.max_torsion, limits.mass, limits.lag, limits.period};
 }
 
-/// N s/m, as a surface is felt: no more damped than the device stands.
+/// N s/m: the damping of a surface as applied, which is at most the device's bound.
 inline double bounded(double damping, const Limits& limits) {
     return static_cast<double>(std::min(Real(damping), device_of(limits).damping()));
 }
@@ -56,7 +55,7 @@ class Rng {
     double uniform(double low, double high) {
         return low + (high - low) * (static_cast<double>(bits() >> 11) * 0x1p-53);
     }
-    /// Evenly in the logarithm.
+    /// Uniform in the logarithm.
     double scale(double low, double high) { return std::exp(uniform(std::log(low), std::log(high))); }
     int between(int low, int high) {
         return low + static_cast<int>(bits() % static_cast<std::uint64_t>(high - low + 1));
@@ -98,9 +97,9 @@ class Case {
 
     Rng rng;
 
-    /// |got - want| against the largest magnitude that enters. The bound is 1e-12; `width` (1 or less) is the
-    /// sine of the sharpest corner: below 0.04 degrees the rounding of its planes, 7e-16 together,
-    /// moves the corner itself by more.
+    /// Compares |got - want| with the largest magnitude that enters; the bound is 1e-12. `width` (1 or less)
+    /// is the sine of the sharpest corner: below 0.04 degrees the rounding of its planes (7e-16 together)
+    /// moves the corner by more than the bound.
     void compare(const Vector& got, const exact::V& want, Real scale, Real width = 1) {
         compare_within(got, want, 0, scale, width);
     }

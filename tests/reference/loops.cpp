@@ -1,5 +1,6 @@
-// Closed loops return their work where the model is conservative: planes of any mix of stiffness, curved
-// surfaces, springs, fields whose Jacobian is symmetric. Loops of about 3 mm at 1000 N/m, at most 1e-8 J.
+// Where the model is conservative, the work over a closed loop is zero: planes of any mix of stiffness,
+// curved surfaces, springs, fields whose Jacobian is symmetric. For loops of about 3 mm at 1000 N/m: at most
+// 1e-8 J.
 
 #include <knurl/reps/box.hpp>
 #include <knurl/reps/cap.hpp>
@@ -42,7 +43,7 @@ struct Loop {
     }
 };
 
-/// The work on the hand (J), by the trapezium rule over a period.
+/// Compares the work on the hand over one loop (J, by the trapezium rule) with zero.
 void go_round(Case& c, Scene& scene, const Loop& loop,
               const Eigen::Quaterniond& orientation = Eigen::Quaterniond::Identity()) {
     constexpr int steps = 8192;
@@ -140,7 +141,8 @@ TEST(Loops, OnCapsReturnTheirWork) {
 
 TEST(Loops, OnSolidsAndInHollowsReturnTheirWork) {
     const auto side = [](Rng& rng) { return rng.one_in(2) ? knurl::Side::inside : knurl::Side::outside; };
-    // How far from the surface the middle of a probe of any radius touches it.
+    // Places a probe with or without a radius. Returns how far outside of the surface its centre begins to
+    // touch.
     const auto any_finger = [](Case& c, Scene& scene, knurl::Side where) {
         const double radius = c.rng.of(0, 0.004);
         c.require(bool(scene.place_probe(0, {.offset = {}, .radius = radius})), "placed");
@@ -170,7 +172,8 @@ TEST(Loops, OnSolidsAndInHollowsReturnTheirWork) {
                           .stiffness = 1000};
         add(c, scene, s);
         c.require(bool(scene.place_probe(0, {.offset = {}, .radius = 0.004})), "placed");
-        // At its wall; in the hollow's corner; but not beside a solid's edge deeper than the probe is thick.
+        // At the wall, or in the corner of a hollow. A solid's edge is left out, where the probe would be
+        // deeper than its radius.
         const bool hollow = s.side == knurl::Side::inside;
         about = (hollow ? 0.016 * c.rng.of(0, 1) : 0.0) * axis +
                 (hollow ? s.radius - 0.004 : s.radius + 0.004) * c.rng.across(axis);

@@ -1,5 +1,5 @@
 #pragma once
-// Knurl's parameters as the reference takes them.
+// Converts Knurl's parameters to those of the reference.
 
 #include <vector>
 
@@ -38,7 +38,7 @@ inline Tip tip_of(const knurl::Probe& p) {
     return {real(p.position), real(p.orientation), real(p.velocity), real(p.angular_velocity)};
 }
 
-/// On a surface of that stiffness (N/m). A snag takes the place of Coulomb friction where it has a stiffness.
+/// The friction on a surface of that stiffness (N/m). A snag with a stiffness replaces Coulomb friction.
 inline Law law_of(const knurl::Friction& friction, const knurl::Snag& snag, Real stiffness,
                   const knurl::Limits& limits) {
     Law law;

@@ -14,7 +14,7 @@ using namespace judge;
 
 namespace {
 
-/// The steps of a path about something of that size: mostly small, sometimes right across.
+/// One step of a path around something of that size: mostly small, sometimes right across it.
 void wander(Rng& rng, Vector& p, const Vector& about, double size) {
     if (rng.one_in(6)) {
         p = about + rng.uniform(0, 2) * size * rng.direction();
@@ -23,7 +23,7 @@ void wander(Rng& rng, Vector& p, const Vector& about, double size) {
     }
 }
 
-/// From the world's origin, m. Far away the corners of a small piece are no longer told apart.
+/// The distance from the world's origin, m. Far away, rounding would merge the corners of a small piece.
 double any_distance(Rng& rng, double size) {
     return rng.of(0, 0.1, 10, size < 0.01 ? 1 : 1e6);
 }
@@ -34,8 +34,8 @@ void follow(Case& c, R& surface, Touch& touch, const Shape& shape, const Vector&
     Rng& rng = c.rng;
     const Limits limits = any_limits(rng);
     const Real k = any_material(rng, surface, limits);
-    surface.velocity = {1e-300, 0,
-                        0};  // evaluated in every cycle; culling.cpp judges whether skipping changes anything
+    // A moving surface is evaluated in every cycle; culling.cpp tests that skipping changes nothing.
+    surface.velocity = {1e-300, 0, 0};
     if (rng.one_in(3)) surface.velocity = knurl::to_plain(rng.scale(1e-3, 1) * size * rng.direction());
     Scene scene({2, 1}, limits);
     c.require(bool(scene.place_probe(0, {.offset = {}, .radius = radius})), "placed");
@@ -53,12 +53,12 @@ void follow(Case& c, R& surface, Touch& touch, const Shape& shape, const Vector&
         const Real reach = std::max(
             {Real(p.norm()), Real(about.norm()), Real(size), Real(radius), moved * exact::length(carried)});
         if (touch.doubt < 1e-12L * reach) return;                                      // rounding decides
-        if (rng.one_in(2)) scene.evaluate(at(about + 2 * size * rng.direction()), 0);  // leaves no trace
+        if (rng.one_in(2)) scene.evaluate(at(about + 2 * size * rng.direction()), 0);  // must change nothing
         const Wrench got = scene.evaluate(hand, dt);
         const Wrench again = scene.evaluate(hand, 0);
         c.require(got.force == again.force, "the same without time");
         alone.check(c, hand, radius, dt, foot, reach, true, size);
-        hand.velocity -= knurl::to_eigen(surface.velocity);  // damping knows the difference
+        hand.velocity -= knurl::to_eigen(surface.velocity);  // damping acts on the relative velocity
         c.say(" %d: at %g %g %g doubt %Lg\n", i, p.x(), p.y(), p.z(), touch.doubt);
         if (foot) {
             check_one(c, got.force, *foot, k, bounded(surface.damping, limits), hand, limits,

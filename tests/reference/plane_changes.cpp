@@ -1,5 +1,5 @@
-// Planes that change under the hand: cross-faded, again in the middle of a fade, after the paper and with the
-// last depth.
+// Planes that change under the hand: with a cross-fade, with another change during a fade, and by the update
+// rules `paper` and `last_depth`.
 
 #include "plane_scenes.hpp"
 
@@ -11,7 +11,7 @@ namespace {
 /// One change of a set: some planes updated, some removed, one added.
 struct Change {
     std::vector<Plane> before, after;
-    Real time = 0;  // s, the longest recovery of what changed
+    Real time = 0;  // s, the longest recovery of the planes that changed
 
     Change(Rng& rng, Scene& scene, Case& c, const PlaneScene& s, Real automatic, bool at_once) {
         before = s.planes;
@@ -32,7 +32,7 @@ struct Change {
                     after.push_back(next);
                     break;
                 }
-                case 1: {  // it goes, in the time that it was given with its own parameters
+                case 1: {  // it is removed, with the recovery of its own parameters
                     time =
                         std::max(time, Real(before[i].recovery < 0 ? automatic : Real(before[i].recovery)));
                     c.require(bool(scene.remove({i, 1})), "removed");
@@ -97,7 +97,7 @@ TEST(Planes, AnyChangeIsFadedFromTheOldSetToTheNew) {
             const double dt = any_step(rng);
             elapsed += dt;
             const Real share = T > 0 ? std::min(Real(1), elapsed / T) : 1;
-            // A rising surface's time depends on the depths, by rounding / width.
+            // The recovery of a rising surface depends on the depths, whose error is rounding / width.
             c.compare(scene.evaluate(at(s.probe), dt).force, (1 - share) * before.force + share * after.force,
                       std::max(before.scale, after.scale), std::min(before.sharpness, after.sharpness));
         }
@@ -118,7 +118,7 @@ TEST(Planes, AChangeInTheMiddleOfAnotherGoesOnFromThePresentForce) {
         Real scale = felt(s.planes, s.probe, {}).scale, sharpness = 1;
         scene.evaluate(at(s.probe), 1e-3);
         std::vector<Plane> planes = s.planes;
-        for (std::uint32_t i = 0; i < 3; ++i) {  // the hand stands still: then the old set's force does, too
+        for (std::uint32_t i = 0; i < 3; ++i) {  // the hand is at rest, so the old set's force is constant
             const ExpectedForce before = felt(planes, s.probe, {});
             planes.push_back(
                 {.normal = knurl::to_plain(rng.direction()), .stiffness = 1000, .recovery = 0.01});

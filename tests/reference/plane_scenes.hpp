@@ -1,5 +1,5 @@
 #pragma once
-// Random and hostile sets of planes with a probe, and what the reference makes of them.
+// Random and hostile sets of planes with a probe, and their form in the reference.
 
 #include <vector>
 
@@ -43,7 +43,7 @@ inline void copies(Rng& rng, PlaneScene& s) {
     s.probe = -s.size * rng.uniform(0, 1) * n + 0.3 * s.size * rng.direction();
 }
 
-/// Normals that all but lie in one plane.
+/// Normals that lie almost in one plane.
 inline void fan(Rng& rng, PlaneScene& s) {
     const Vector axis = rng.direction(), up = rng.across(axis), side = axis.cross(up);
     const double out = rng.scale(1e-9, 1e-1);
@@ -64,7 +64,7 @@ inline void slab(Rng& rng, PlaneScene& s) {
     s.probe = s.size * rng.uniform(-1, 1) * n + 0.3 * s.size * rng.direction();
 }
 
-/// The inside of a polyhedron about the origin, the probe outside of it.
+/// The inside of a polyhedron about the origin, with the probe outside.
 inline void cavity(Rng& rng, PlaneScene& s) {
     for (int i = rng.between(4, 9); i > 0; --i) s.add(rng.direction(), -s.size * rng.uniform(0.3, 1));
     s.probe = s.size * rng.uniform(0.5, 3) * rng.direction();
@@ -108,7 +108,8 @@ inline void contradictory(Rng& rng, PlaneScene& s) {
     s.probe = s.size * rng.direction();
 }
 
-/// Any of them at 1 um to 10 m, sometimes exactly on a plane or 1000 km away, with normals of any length.
+/// Any of the sets above, of 1 um to 10 m, with normals of any length; sometimes with the probe exactly on a
+/// plane, or all of it 1000 km away.
 inline PlaneScene any_planes(Rng& rng, bool feasible = true) {
     PlaneScene s;
     if (rng.one_in(3)) s.size = rng.scale(1e-6, 10);
@@ -145,7 +146,7 @@ inline PlaneScene any_planes(Rng& rng, bool feasible = true) {
         for (knurl::Plane& p : s.planes) p.offset += knurl::to_eigen(p.normal).dot(far);
     }
     for (knurl::Plane& p : s.planes) {
-        // A length of the normal: a power of two, so that opposite planes stay opposite to the bit.
+        // The length of the normal is a power of two, so that opposite planes stay opposite to the bit.
         const double length = rng.one_in(4) ? std::ldexp(1, rng.between(-15, 9)) : 1;
         p.normal = {p.normal.x * length, p.normal.y * length, p.normal.z * length};
         p.offset *= length;

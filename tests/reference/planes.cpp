@@ -1,4 +1,5 @@
-// Planes: joint, of unequal stiffness, damped, contradictory, by sum, with a velocity, on several probes.
+// Planes: solved together, of unequal stiffness, damped, contradictory, combined by sum, moving, on several
+// probes.
 
 #include "plane_scenes.hpp"
 
@@ -7,7 +8,7 @@ using knurl::Plane;
 
 namespace {
 
-/// The scene's answer at one probe against the reference's.
+/// Compares the scene's force at one probe with the reference's.
 void check(Case& c, const Wrench& got, const std::vector<Plane>& planes, const exact::V& probe,
            const exact::V& velocity, Real radius, Real moved, const Limits& limits) {
     const auto touches = touches_of(planes, probe, radius, moved, limits.max_stiffness);
@@ -22,13 +23,15 @@ void check(Case& c, const Wrench& got, const std::vector<Plane>& planes, const e
     }
     const Real scale = std::max(want.stiffness, Real(1e-300L)) * reach + damping * speed;
     c.require(finite(got), "finite");
-    // Without room between planes it is rounding that says which of them hold; and a softer layer that gives
-    // way may lie nearer than a harder one.
+    // Where planes leave no room between them, rounding decides which of them hold. A softer layer that gives
+    // way may also lie nearer than a harder one.
     const bool no_room = want.give > -1e-9L * reach && want.give != 0;
-    // How far they give way follows from four of them, each rounded as a corner's two are together.
+    // How far the planes give way follows from four of them, each with the rounding of a corner's two
+    // together.
     const Real width = want.give > 0 ? want.sharpness / 4 : want.sharpness;
-    // Damping acts along F and by the planes' weights, both as uncertain as rounding is large beside them;
-    // weights in a contradiction depend on how far exactly the planes have given way.
+    // Damping depends on the direction of F and on the planes' weights; both are uncertain where they are
+    // small relative to rounding. In a contradiction the weights depend on exactly how far the planes give
+    // way.
     const Real turn = 4 * want.stiffness * rounding / (want.sharpness * want.sharpness) / want.undamped;
     bool touched = false;
     for (const exact::Touch& t : touches) touched = touched || t.height < rounding;
@@ -62,7 +65,7 @@ TEST(Planes, SolvedTogether) {
         add_all(c, scene, s.planes);
         scene.settle();
         Vector probe = s.probe;
-        for (int i = 0; i < 3; ++i) {  // cold, then from the last cycle's answer
+        for (int i = 0; i < 3; ++i) {  // a cold start, then warm starts
             check(c, scene.evaluate(at(probe), any_step(c.rng)), s.planes, real(probe), {}, 0, 0, {});
             probe += c.rng.scale(1e-6, 1) * s.size * c.rng.direction();
         }
@@ -148,7 +151,7 @@ TEST(Planes, BySumAddTheirForces) {
             for (const exact::Touch& t : touches) {
                 stiffness += t.stiffness, damping += t.damping;
                 parts += std::max(Real(0), -t.height * t.stiffness) + t.damping * exact::length(v);
-                // Damping begins at depth 0 with a step: where rounding decides on which side the probe is.
+                // Damping has a step at depth 0, and rounding decides on which side of it the probe is.
                 if (std::fabs(t.height) < 1e-15L * reach) rounding += t.damping * exact::length(v);
             }
             c.compare_within(got.force, together.force + exact::summed(touches, v), rounding,
@@ -179,7 +182,7 @@ TEST(Planes, WithAVelocityMoveOnBetweenUpdates) {
         for (int i = 0; i < 5; ++i) {
             const double dt = any_step(rng);
             if (i > 0 && started)
-                moved += dt;  // in the first cycle that takes time it stands where it was placed
+                moved += dt;  // in the first cycle that takes time the planes are where they were placed
             started = started || dt > 0;
             const Probe hand = at(s.probe, rng.uniform(0, 0.5) * rng.direction());
             c.say("dt %g moved %Lg\n", dt, moved);
@@ -237,7 +240,7 @@ TEST(Planes, OnSeveralProbesOfOneHand) {
             reach = std::max({reach, exact::length(arm), exact::length(push.dx)});
             scale += push.stiffness * reach + 5 * exact::length(v);
             sharpness = std::min(sharpness, push.sharpness);
-            // The direction of a force that hardly exists is not known, the damping's neither.
+            // A force near zero has no known direction, so neither has its damping.
             if (push.undamped < push.stiffness * 1e-12L) slack += 5 * exact::length(v);
         }
         c.compare_within(got.force, force, slack, scale, sharpness);

@@ -1,5 +1,5 @@
-// Sphere, capsule, cylinder and torus along random paths: solid and hollow, thick probes, on the axis and at
-// the centre, without a radius at all. What a solid that holds the probe from deep does is judged in
+// Sphere, capsule, cylinder and torus along random paths: solid and hollow, with thick probes, on the axis
+// and at the centre, also with radius 0. How a solid holds a probe that is deep is tested in
 // tests/reps/solids_hold.cpp.
 
 #include "exact/solids.hpp"
@@ -29,7 +29,7 @@ Setting any_setting(Rng& rng) {
     return s;
 }
 
-/// A probe that is there from the start is held by the nearest surface, down to half way to the core.
+/// A probe that begins inside is held by the nearest surface, down to half the depth of the core.
 template <class R>
 void check_seen_first(Case& c, const R& surface, const Limits& limits, const Vector& p, double radius,
                       Real reach) {
@@ -65,10 +65,10 @@ void follow(Case& c, R surface, const Setting& s) {
         const Real reach = std::max({Real(p.norm()), Real(s.about.norm()), Real(s.size), Real(s.radius)});
         check_seen_first(c, surface, limits, p, s.radius, reach);
         if (touch.doubt < 1e-12L * reach || (touch.deep && !solid.hollow))
-            return;  // rounding decides, or the way
+            return;  // rounding or the path decides
         const Wrench got = scene.evaluate(at(p), dt);
-        // The solver starts from what it found: where a plane is met by its rounding alone, so is the
-        // difference.
+        // The solver starts from its last solution. Where only rounding decides whether a plane is met, a
+        // second evaluation may differ by that rounding.
         c.require(rng.one_in(2) || exact::length(real(scene.evaluate(at(p), 0).force) - real(got.force)) <=
                                        1e-14L * k * reach,
                   "the same without time");
@@ -96,7 +96,7 @@ void follow(Case& c, R surface, const Setting& s) {
                 push.sharpness);
         }
         if (!(c.worst() <= bound)) return;
-        if (!known && !solid.hollow) return;  // the direction that it takes here, whichever that is, stays
+        if (!known && !solid.hollow) return;  // from here on the solid keeps a direction that is arbitrary
         switch (rng.between(0, 9)) {
             case 0:
                 p = s.about + rng.uniform(0, 2) * s.size * rng.direction();

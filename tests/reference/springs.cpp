@@ -1,4 +1,5 @@
-// Springs: with and without rest length, damped, with an arm, with ends that move, and many at once.
+// Springs: with and without rest length, damped, attached off the hand's centre, with moving ends, and many
+// at once.
 
 #include <knurl/reps/spring.hpp>
 
@@ -35,7 +36,7 @@ Spring any_spring(Rng& rng, const Probe& hand) {
     return s;
 }
 
-/// What the reference makes of a spring that has been prepared within limits.
+/// The reference's answer for a spring within the device's limits.
 struct Want {
     exact::V force, torque;
     Real scale = 0, reach = 0, slack = 0;
@@ -55,11 +56,11 @@ Want want_of(const Spring& s, const exact::V& anchor, Real rest_length, const Pr
     w.reach = std::max({exact::length(anchor), exact::length(tip.position), exact::length(arm), rest_length});
     const Real speed = exact::length(tip.velocity) + exact::length(tip.turning) * exact::length(arm);
     const Real length = exact::length(anchor - tip.position - arm);
-    // With a rest length the force turns as fast as k L0 / sqrt(l^2 + e^2) allows.
+    // With a rest length the force changes by up to k L0 / sqrt(l^2 + e^2) per metre across the spring.
     const Real e = std::max(std::min(Real(1e-3L), rest_length / 20), rest_length * k / limits.max_stiffness);
     const Real steep = rest_length > 0 ? rest_length / std::sqrt(length * length + e * e) : 0;
     w.scale = k * w.reach * std::max(Real(1), steep) + s.damping * speed;
-    // Damping has the spring's direction, which at length 0 is none.
+    // Damping acts along the spring, which has no direction at length 0.
     w.slack =
         length > 0 ? s.damping * speed * std::min(Real(1), 2e-15L * w.reach / length) : s.damping * speed;
     return w;
@@ -151,10 +152,10 @@ TEST(Springs, ManyOnSeveralProbesActAsTheirSum) {
             const std::uint32_t on = static_cast<std::uint32_t>(rng.between(0, static_cast<int>(probes) - 1));
             const exact::V arm = exact::turned(real(hand.orientation), offset[on]);
             Spring s = any_spring(rng, hand);
-            if (rng.one_in(2)) s.rest_length = 0;  // those that ask for no feedback collapse
+            if (rng.one_in(2)) s.rest_length = 0;  // without feedback, such springs are collapsed into one
             const knurl::AddOptions options{.probe = on, .feedback = rng.one_in(3) ? 1u : 0u};
             c.require(bool(scene.add({static_cast<std::uint32_t>(i), 1}, s, options)), "added");
-            // On a probe of the hand: as a spring with a longer arm.
+            // A spring on a probe of the hand acts as one on the hand with a longer arm.
             const exact::V attach = real(s.attach) + offset[on];
             exact::Tip tip = tip_of(hand);
             const exact::Twist one =

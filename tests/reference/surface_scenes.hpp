@@ -1,5 +1,5 @@
 #pragma once
-// What the judges of all surfaces share: one of them in a scene, felt by a probe.
+// Shared by the tests of all surfaces: one surface in a scene, felt by a probe.
 
 #include <optional>
 
@@ -9,7 +9,7 @@
 
 namespace judge {
 
-/// Stiffness and damping, sometimes as stiff as the device allows; answers the stiffness as applied.
+/// Draws stiffness (sometimes infinite: the device's largest) and damping. Returns the stiffness as applied.
 template <class R>
 Real any_material(Rng& rng, R& surface, const Limits& limits) {
     surface.stiffness = rng.one_in(10) ? infinity : rng.uniform(1, 3000);
@@ -27,7 +27,8 @@ inline Limits any_limits(Rng& rng) {
     return limits;
 }
 
-/// F = max(0, k depth - b v.n) n of one surface against what the scene says. `reach` (m): the largest length.
+/// Compares the scene's force with F = max(0, k depth - b v.n) n. `reach` (m): the largest length that
+/// enters.
 inline void check_one(Case& c, const Vector& got, const exact::Foot& want, Real k, Real damping,
                       const Probe& hand, const Limits& limits, Real reach, bool direction_known = true) {
     const Real depth = std::max(Real(0), -want.height), speed = exact::length(real(hand.velocity));
@@ -35,7 +36,7 @@ inline void check_one(Case& c, const Vector& got, const exact::Foot& want, Real 
     Real size = std::max(Real(0), k * depth - damping * exact::dot(real(hand.velocity), want.normal));
     if (!(depth > 0)) size = 0;
     size = std::min(size, Real(limits.max_force));
-    // The normal turns by rounding / distance from where it has none; damping begins at depth 0 with a step.
+    // Rounding turns the normal by rounding / clear. Damping has a step at depth 0.
     Real slack = std::fabs(want.height) < rounding ? damping * speed : 0;
     slack += std::min(Real(2), rounding / want.clear) * (size + (depth > 0 ? damping * speed : 0));
     c.say("  height %Lg normal %Lg %Lg %Lg clear %Lg k %Lg reach %Lg\n", want.height, want.normal.x,
@@ -44,7 +45,7 @@ inline void check_one(Case& c, const Vector& got, const exact::Foot& want, Real 
     if (direction_known) {
         c.compare_within(got, size * want.normal, slack, k * reach + damping * speed);
     } else {
-        // In no direction, but as much as the depth says.
+        // The direction is not defined here, but the magnitude follows from the depth.
         slack = damping > 0 ? 2 * damping * speed : 0;
         c.compare_within({got.norm(), 0, 0}, {size, 0, 0}, slack, k * reach + damping * speed);
     }
@@ -53,15 +54,15 @@ inline void check_one(Case& c, const Vector& got, const exact::Foot& want, Real 
     if (damping == 0) c.require(felt <= k * (depth + 1e-12L * reach), "no stiffer than its stiffness");
 }
 
-/// The surface without a scene: its contact also where it is not touched.
+/// Evaluates a surface without a scene, to compare its contact also where it is not touched.
 template <class R>
 class Alone {
   public:
     Alone(const R& surface, const Limits& limits) : params_(prepared(surface, limits)) {
         adopt(params_, nullptr, state_, {});
     }
-    /// Nothing: none is expected. A height has the rounding of `reach` (m), a normal that of reach / clear and of
-    /// reach / `size`, where it follows from points so far apart.
+    /// `want` empty: no contact is expected. A height has the rounding of `reach` (m). A normal has that of
+    /// reach / clear, or of reach / `size` where it follows from points that are `size` (m) apart.
     void check(Case& c, const Probe& hand, double radius, double dt, const std::optional<exact::Foot>& want,
                Real reach, bool direction_known = true, Real size = INFINITY) {
         Probe probe = hand;

@@ -18,16 +18,16 @@ namespace {
 
 // m, at the hand: an error without a perceptible force.
 constexpr double exact_of_hand = 1e-15;
-// 1/m: a surface that is round somewhere (a box at its edges) may be flat at x_k and round where the step
-// ends.
+// 1/m: the least curvature assumed of a curved surface. A surface that is round somewhere (a box at its
+// edges) may be flat at the present point and round where the step ends.
 constexpr double least_bend = 10;
-// The largest motion of a holding point per motion of the hand, where the radius of curvature equals the
-// depth. In the middle of a hole whose rim holds the probe there is no limit.
+// The largest ratio of the proxy's motion to the hand's where the radius of curvature equals the depth. In
+// the middle of a hole whose rim holds the probe, the ratio has no limit.
 constexpr double most_per_motion = 4;
 constexpr double least_jump = 1e-6;  // m: changes the force by a millinewton, which is imperceptible
 
-// The solution of the last cycle that took time; null: unknown. A layer that is solved again, with more
-// surfaces or without time passing, starts from the same point. So its answer is the same to the bit.
+// The solution of the last cycle that took time; null: unknown. A layer that is solved again (with more
+// surfaces, or without time passing) starts from the same point, so that its answer is the same to the bit.
 const CurvedStart* start_of(const Layer& layer, const Clock& clock) noexcept {
     const CurvedStart& newest = layer.reached[layer.newest];
     const bool again = newest.cycle == (clock.step > 0 ? clock.cycle : clock.last_timed);
@@ -67,9 +67,9 @@ CurvedStart found_again(const CurvedStarts::Place& place, const ContactSet& set,
     return start;
 }
 
-// A layer holds the surfaces of its stiffness and all harder ones. A layer of a new stiffness, softer than
-// the hardest, starts where the next harder one was; one that is harder than all starts unheld. A stiffness
-// that changes gradually (a weight) stays the same layer.
+// A layer has the surfaces of its stiffness and all harder ones. A layer of a new stiffness starts from the
+// solution of the next harder layer; one that is harder than all has no start. A stiffness that changes
+// gradually (a weight) stays the same layer.
 const CurvedStarts::OfLayer* start_for(const CurvedStarts& starts, double stiffness) noexcept {
     constexpr double same = 0.9;
     for (std::uint32_t j = 0; j < starts.count; ++j)
@@ -122,7 +122,7 @@ double CurvedStage::relief_at(Owner owner, std::uint32_t member, std::uint32_t p
     return -sets_.arena().s[member] - state_.records.tangential(owner).height[part];
 }
 
-// Do the surfaces meet elsewhere than their planes at the probe's feet do?
+// Do the surfaces meet at another point than their tangent planes at the probe's feet do?
 bool CurvedStage::meet_elsewhere(const ContactSet& set, const Probe& probe,
                                  const Layer& layer) const noexcept {
     const Arena& a = sets_.arena();
@@ -157,7 +157,7 @@ bool CurvedStage::meet_elsewhere(const ContactSet& set, const Probe& probe,
     return false;
 }
 
-// Lists the surfaces within `within` of the probe, evaluated at p + dx. Lists none where there are more than
+// Lists the surfaces within `within` of the probe, evaluated at p + dx. Lists none if there are more than
 // fit.
 std::uint32_t CurvedStage::list_near_surfaces(const ContactSet& set, const Probe& probe, const Layer& layer,
                                               const Vector3d& dx, double within, Room& room) noexcept {
@@ -196,7 +196,7 @@ std::uint32_t CurvedStage::list_near_surfaces(const ContactSet& set, const Probe
     return size;
 }
 
-// m: a motion of the proxy that needs no release by a surface.
+// m: how far the motion of hand and surfaces can move the proxy without a surface letting go.
 double CurvedStage::explained(const ContactSet& set, const ContactSolution& to,
                               double motion) const noexcept {
     double speed = 0;
@@ -216,9 +216,9 @@ bool CurvedStage::any_curved(const ContactSet& set, const ActiveSet& active) con
     return false;
 }
 
-// The planes' solution may lie farther off than the hand's motion explains. Then it is another place, though
-// a nearer one, and the surface that holds continues to hold. Exceptions: one surface that holds alone as
-// before, and flat ones. They answer as if there were no other.
+// Does the planes' solution lie farther from the last one than the hand's motion explains? Then it is another
+// local minimum, though a nearer one, and the present surfaces continue to hold. Exceptions: one surface that
+// holds alone as before, and flat ones, whose solution does not depend on the last one.
 bool CurvedStage::jumps(const ContactSet& set, const CurvedStart& start, const Layer& layer,
                         const Vector3d& p) const noexcept {
     const ActiveSet &now = layer.solution.active, &then = start.active;
@@ -261,7 +261,7 @@ void CurvedStage::take_step(std::span<NearSurface> near, const CurvedStep& step,
     }
     const double exact = world_length(exact_of_hand, state_.limits), length = step.step.norm();
     double bend = 0, change = 0;
-    bool missed = false;  // a surface without a part in the step may bend into it
+    bool missed = false;  // a surface that the step did not use may bend into the step
     for (const NearSurface& surface : near) {
         if (!surface.curved) continue;
         const double by = std::max(least_bend / state_.limits.metre, surface.at.bend.norm());
@@ -280,9 +280,9 @@ void CurvedStage::take_step(std::span<NearSurface> near, const CurvedStep& step,
     descent.within = std::max(descent.within, 2 * at.dx.norm());
 }
 
-// A descent that has not ended has multipliers that belong to no point, and the next cycle would start with
-// them. They grow without bound where the hand is between contradictory surfaces. They are replaced by those
-// that come nearest to dx.
+// The multipliers of a descent that has not converged belong to no solution, but the next cycle would start
+// with them, and between contradictory surfaces they would grow without bound. They are replaced by those of
+// the point nearest to dx.
 void CurvedStage::balance(Descent& descent) noexcept {
     ContactSolution& at = descent.at;
     std::array<double, 3> nx{}, ny{}, nz{}, s{};
@@ -301,8 +301,8 @@ void CurvedStage::balance(Descent& descent) noexcept {
         at.multiplier[nearest.active.plane[i]] = nearest.multiplier[i];
 }
 
-// The place that held the hand exists no longer. Where the new one is farther off than the hand's motion
-// explains, the proxy slides there.
+// The point that held the hand no longer exists. If the new one is farther away than the hand's motion
+// explains, the proxy moves there with a limited speed.
 void CurvedStage::slide(const ContactSet& set, const CurvedStart& start, const Vector3d& p,
                         ContactSolution& at) const noexcept {
     const Vector3d from = start.dx + (start.p - p), way = at.dx - from;
@@ -321,7 +321,7 @@ bool CurvedStage::solve_layer(ContactSet& set, const Probe& probe, Layer& layer,
     const bool feasible = solve_planes(layer, planes, worst, p);
     layer.far = layer.solution.dx.norm();
     layer.joined = false;
-    // A warm start needs a hand that moved less than its depth. Else the descent starts where the planes
+    // A warm start needs a hand that moved less than its depth. Otherwise the descent starts where the planes
     // meet.
     const CurvedStart* const start = start_of(layer, state_.clock);
     Descent descent{.at = layer.solution};
@@ -351,8 +351,8 @@ bool CurvedStage::solve_layer(ContactSet& set, const Probe& probe, Layer& layer,
         take_step(near, step, p, descent);
         layer.far = std::max(layer.far, at.dx.norm());
     }
-    layer.far = std::max(layer.far, descent.within);  // all listed surfaces have been evaluated at this
-                                                      // distance
+    // All listed surfaces have been evaluated within this distance.
+    layer.far = std::max(layer.far, descent.within);
     if (!at.dx.allFinite() || (!descent.done && at.dx.norm() > most)) return feasible;
     if (!descent.done) balance(descent);
     if (descent.warm) slide(set, *start, p, at);
@@ -416,8 +416,9 @@ void PlanesApart::put_back(Arena& a) const noexcept {
     }
 }
 
-// In layer j a solid leans to where x is. So it takes hold and lets go without a step, with others or while
-// another one holds in its place. Where it holds alone, x is at its own foot.
+// In layer j a solid takes the normal at the layer's proxy. So the force has no step when the solid takes
+// hold or lets go, with others or while another one holds in its place. A solid that holds alone is left
+// out: the proxy is at its own foot.
 void CurvedStage::lean_in_layer(const ContactSet& set, const Probe& probe, std::uint32_t j) noexcept {
     const Arena& a = sets_.arena();
     const Layer& layer = set.layer[j];

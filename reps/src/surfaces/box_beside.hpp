@@ -13,7 +13,7 @@ inline double seam_of(const Vector3d& half) noexcept {
     return seam_of_size * 2 * half.maxCoeff();
 }
 
-// A proxy this far off a face, as a share of the seam, is not held by it: it is more than rounding.
+// As a share of the seam: a proxy farther than this from a face is not held by it. Less is rounding.
 inline constexpr double off_of_seam = 1e-6;
 
 // The way of a proxy that other surfaces hold, in the box's frame.
@@ -27,8 +27,9 @@ inline bool faces(double part, const Vector3d& held) noexcept {
     return part > 1e-6 * held.lpNorm<1>();
 }
 
-// Does the face extend to where the path crosses it? The face against which the probe is held extends farther
-// by a seam. All other faces end a seam lower: a step below that height only touches.
+// Does the face extend to where the path crosses it? It extends beyond its edges by a seam (without a hold,
+// by rounding). Exception: a face against which the probe is not held ends a seam short of an edge to a face
+// against which it is, so that a step lower than a seam does not stop the proxy.
 inline bool goes_as_far(const Face& face, const Vector3d& at, const Vector3d& half,
                         const Vector3d& hold) noexcept {
     const double seam = (hold.isZero(0) ? off_of_seam : 1) * seam_of(half);
@@ -46,8 +47,8 @@ struct Crossing {
     double when = 2;         // share of the way
 };
 
-// The first face that the way enters from its front. If the probe is held against a face that the way
-// touches, the way counts as in front of it.
+// The first face that the way enters from its front. A way that begins behind a face by less than a seam
+// counts as in front of it if the probe is held against that face.
 inline Crossing first_face(const Way& way, const Vector3d& half) noexcept {
     const double seam = seam_of(half);
     Crossing first;
@@ -151,12 +152,10 @@ class Beside {
 
     void near() noexcept {
         const Vector3d at = there(path_.to);
-        if (state_.face != 0 && !holds(at, slack()))
-            return;  // this box is about to let go, so it does not
-                     // count itself
-        if (!(at.norm() <= half_.norm() + radius_))
-            return;  // the others are evaluated within the same
-                     // distance
+        // A box that is about to let go does not count itself.
+        if (state_.face != 0 && !holds(at, slack())) return;
+        // The same distance as that within which the others are evaluated.
+        if (!(at.norm() <= half_.norm() + radius_)) return;
         path_.close += distance(at) <= near_in_seams * seam_ + radius_;
     }
 
@@ -197,8 +196,8 @@ class Beside {
         Hold hold{state_.face, state_.slipped != 0};
         if (state_.brushed != 0 && state_.out != 0) hold.face = 0;
         if (hold.face != 0) return solid(box_, seen_, radius_, hold);
-        // A box that the proxy has not reached holds nothing. Exception: a probe with a radius overlaps it,
-        // held by the plane at the proxy.
+        // A box that the proxy has not reached holds nothing. Exception: a probe with a radius that overlaps
+        // the box is held by the plane at the proxy.
         if (state_.brushed == 0) return {.height = std::numeric_limits<double>::infinity()};
         const Vector3d offset = to_eigen(state_.brush);
         Contact felt = rim_of(offset, hold);
@@ -207,8 +206,8 @@ class Beside {
     }
 
   private:
-    // The probe is back above its face. So the box alone holds nothing, but it may hold the proxy beside
-    // others.
+    // Is the probe back above its face? Then the box alone would hold nothing, but together with other
+    // surfaces it may still hold the proxy.
     bool is_back() const noexcept { return !(Face(state_.face).depth(seen_.y, half_) >= 0); }
 
     void go_from_start() noexcept {

@@ -3,15 +3,15 @@
 //
 //   normal()             unit, towards the front
 //   height(q)            m, of q over its plane
-//   holds(q, reach, by)  the foot of q lies within the piece, or beside it by no more than `by` (m), except for
-//                        the rounding of coordinates of size `reach` (m)
+//   holds(q, reach, by)  the foot of q lies within the piece, or beside it by no more than `by` (m), except
+//                        for the rounding of coordinates of size `reach` (m)
 //   reaches(q, r)        a probe of radius r at q meets the ball around the piece (of `bound`)
 //   away(q)              m, from the nearest point of the piece to q, where the foot lies outside
 //   seam(path)           m: anything within this distance touches it
 //
 // With a probe of radius r the piece is a thin plate with rounded edges until the centre has crossed it:
-// height |p - x| - r along p - x, x the piece's nearest point. After that it is -|h| - r along the normal of
-// the side of entry: both meet in -r where the centre crosses.
+// height |p - x| - r along p - x, x the piece's nearest point. After that the height is -|h| - r along the
+// normal of the side of entry. Where the centre crosses, both are -r.
 
 #include <algorithm>
 #include <cmath>
@@ -39,7 +39,7 @@ struct Step {
     LetGo let_go;
 };
 
-/// A proxy this far off the face, as a share of the seam, is not held by it: it is more than rounding.
+/// As a share of the seam: a proxy farther than this from the face is not held by it. Less is rounding.
 inline constexpr double off_of_seam = 1e-6;
 
 inline std::int32_t side_of(double height, std::int32_t otherwise) noexcept {
@@ -50,8 +50,8 @@ inline bool can_enter(std::int32_t from, Sides sides) noexcept {
     return from > 0 || sides == Sides::both;
 }
 
-/// Where a path crosses a plane: the share of the way, from and to these heights (m). A path that was on that
-/// side crosses at its beginning, even if rounding or a touch puts that behind the plane.
+/// The share of a path at which it crosses a plane; `from`, `to`: heights of its ends (m). A path that comes
+/// from `side`, but begins behind the plane by rounding or a touch, crosses at its beginning.
 inline double crossed_at(double from, double to, std::int32_t side) noexcept {
     return side * from > 0 ? from / (from - to) : 0;
 }
@@ -73,7 +73,7 @@ Step follow(const Outline& outline, Sides sides, const PieceState& state, const 
         return now;
     }
     if (!state.met || now.side == state.side || now.let_go == LetGo::from_behind) return now;
-    if (!outline.reaches(q, radius)) return now;  // the path has led past the piece, on either side
+    if (!outline.reaches(q, radius)) return now;  // the path has led past the piece
     const Vector3d last = to_eigen(state.last);
     const Vector3d crossing = last + crossed_at(outline.height(last), height, state.side) * (q - last);
     if (!outline.holds(crossing, reach + last.lpNorm<1>(), 0)) return now;
@@ -192,12 +192,10 @@ class Beside {
 
     void near() noexcept {
         const Vector3d to = q_ + path_.to;
-        if (state_.touched != 0 && !holds(to, slack()))
-            return;  // this piece is about to let go, so it does
-                     // not count itself
-        if (!outline_.reaches(to, radius_))
-            return;  // the others are evaluated within the same
-                     // distance
+        // A piece that is about to let go does not count itself.
+        if (state_.touched != 0 && !holds(to, slack())) return;
+        // The same distance as that within which the others are evaluated.
+        if (!outline_.reaches(to, radius_)) return;
         const double away = holds(to, 0) ? std::abs(outline_.height(to)) : outline_.away(to).norm();
         path_.close += away <= near_in_seams * seam_ + radius_;
     }
@@ -241,8 +239,8 @@ class Beside {
             return contact_of(params_, state_.touched * outline_.normal(),
                               state_.touched * outline_.height(q_) - radius_);
         }
-        // A piece that the proxy has not reached holds nothing. Exception: a probe with a radius overlaps it,
-        // held by the plane at the proxy.
+        // A piece that the proxy has not reached holds nothing. Exception: a probe with a radius that
+        // overlaps the piece is held by the plane at the proxy.
         if (state_.brushed == 0) return {.height = std::numeric_limits<double>::infinity()};
         const Vector3d offset = to_eigen(state_.brush);
         const Rim felt = rim_of(offset);
@@ -250,7 +248,8 @@ class Beside {
     }
 
   private:
-    // The probe is back in front. So the piece alone holds nothing, but it may hold the proxy beside others.
+    // Is the probe back in front? Then the piece alone would hold nothing, but together with other surfaces
+    // it may still hold the proxy.
     bool is_back() const noexcept { return side_of(outline_.height(q_), -state_.touched) == state_.touched; }
 
     void go_from_start() noexcept {
@@ -265,8 +264,9 @@ class Beside {
         return rim_at(at, side(outline_.height(at), offset, state_.side));
     }
 
-    // How the path crosses the piece's plane. A path that begins clearly in front crosses it with any motion.
-    // A path that begins in the plane, within a seam, crosses it where nothing holds it in front any more.
+    // How the path crosses the piece's plane. A path that begins clearly in front crosses with any motion to
+    // the back. A path that begins within a seam of the plane crosses once nothing holds it in front any
+    // more.
     struct Way {
         std::int32_t from, to;  // sides
         double crossed = 2;     // share of the way at which it crosses the piece itself
@@ -303,8 +303,8 @@ class Beside {
     }
 
     // A path within a seam of the plane is on the side towards which the probe is held, if the piece can be
-    // entered from there. Else a surface that pushes it towards the back would bring it behind the piece
-    // unseen.
+    // entered from there. Otherwise a surface that pushes the probe towards the back would bring it behind
+    // the piece without a crossing.
     std::int32_t side(double height, const Vector3d& held, std::int32_t otherwise) const noexcept {
         const double facing = outline_.normal().dot(held);
         const std::int32_t to = facing > 0 ? 1 : -1;
@@ -367,8 +367,8 @@ Contact contact(const Piece& params, const Outline& outline, PieceState& state, 
     return contact_of(params, normal, height);
 }
 
-/// A new place may carry the piece past the probe. Then the probe, which did not move, has crossed it if its
-/// foot lay within the piece before and after. A held probe stays held where it is still behind.
+/// A new place may carry the piece past the probe. Then a probe at rest has crossed the piece if its foot lay
+/// within the piece before and after. A held probe stays held as long as it is still behind.
 template <class Piece, class Outline>
 void adopt(const Piece& params, const Outline& outline, const Piece& previous, const Outline& old,
            PieceState& state) noexcept {

@@ -3,9 +3,9 @@
 // own push, that is, the probe displaced by the push of the others. Where no other surface pushes, it follows
 // the probe.
 //
-//        push of the others           The point x that satisfies all lies on the shape where the walk towards
-//     t <------------------ probe     t = x - own push comes to rest: solving and walking by turns reach both.
-//      \  own push
+//        push of the others           The point x satisfies all surfaces. It is also the shape's point
+//     t <------------------ probe     at which the walk towards t = x - own push comes to rest. So
+//      \  own push                    the solver and the walk alternate until both agree.
 //       x
 //
 // All lengths and directions are in the asset's frame.
@@ -39,9 +39,10 @@ inline double seam_of(const Asset& asset) noexcept {
     return seam_of_size * (asset.high - asset.low).norm();
 }
 
-/// Two faces whose normals have a larger cosine than this form no rim, so a neighbour may continue there.
+/// If the normals of two faces have a larger cosine than this, the faces form no rim: one continues the
+/// other.
 inline constexpr double along = 0.9;
-/// A face stops the way if its normal leans against it by this cosine.
+/// A face blocks the way if its normal and the reversed way have at least this cosine.
 inline constexpr double stops = 1e-4;
 /// As a share of the seam: less than this is rounding.
 inline constexpr double little_of_seam = 1e-6;
@@ -80,7 +81,8 @@ class Beside {
         if (!(dt > 0)) return;
         Proxy& proxy = state_.proxy;
         if (proxy.phase == Proxy::Phase::fresh) put(proxy.last, place());
-        // A ball whose centre has not entered finds its overlap anew in each cycle, in the order of overlap.
+        // A probe that overlaps the shape while its centre is outside starts each cycle free: overlaps are
+        // found anew, the deepest first.
         if (state_.brushed != 0) free_at(at(proxy.last) + in_asset(path_.to));
         if (!holds()) free_at(path_.passes ? place() : at(proxy.last));
         if (state_.anew != 0 && holds()) find_plane();
@@ -91,7 +93,7 @@ class Beside {
     void rewind() noexcept {
         state_.left = state_.leaving = 0;
         const bool held = touches(state_.was_phase), brushed = state_.brushed != 0;
-        if (held && holds() && !brushed) return;  // it is on its way over the surface
+        if (held && holds() && !brushed) return;  // it goes on over the surface from where it is
         free_at(to_eigen(state_.start));
         if (!held || brushed) return;
         state_.proxy.phase = Proxy::Phase::touching;
@@ -130,7 +132,7 @@ class Beside {
         state_.handed = 0;
         Proxy next = state_.proxy;
         Foot foot;
-        // Over an edge of the shape itself, where no other surface continues.
+        // It slides over an edge of the shape itself; no other surface continues there.
         if (path_.close == 0 && walk(next, target(), foot)) return turn_to(next, foot);
         free_at(place());
     }
@@ -190,7 +192,7 @@ class Beside {
         return facing_near(*state_.asset, where, within, normal, least, foot, work);
     }
 
-    // The plane belongs to another asset.
+    // The shape has got another asset, to which the kept plane does not belong.
     void find_plane() noexcept {
         Foot foot;
         if (facing(at(state_.proxy.at), seam_, Vector3d::Zero(), -2, foot)) hold_on(foot, foot.point);
@@ -211,7 +213,7 @@ class Beside {
         hold_by(state_, foot.normal, foot.normal.dot(foot.point), foot.material);
     }
 
-    /// Would another plane make a difference to the proxy?
+    /// Would the foot's plane, in place of the present one, move the proxy by more than rounding?
     bool differs(const Foot& foot) const noexcept {
         const double away = std::abs(foot.normal.dot(foot.point) - foot.normal.dot(foot_of_proxy()));
         const double leans = path_.push.norm() * (foot.normal - normal()).norm();
@@ -222,7 +224,8 @@ class Beside {
         Proxy next = state_.proxy;
         Foot foot;
         const bool held = walk(next, target(), foot) && lies_on_it(foot);
-        // A face that it meets again after it let go holds it, wherever the walk ends.
+        // After the shape has let go in this cycle, a face that the proxy meets again holds it, wherever the
+        // walk ends.
         if (held && (state_.left > 0 || (!drops(foot) && !clings(foot)))) return go_on(next, foot);
         if (path_.push.isZero(0) && !held) return come_off();
         if ((state_.handed != 0 || path_.joined) && reaches_on()) return;
@@ -231,8 +234,8 @@ class Beside {
         state_.leaving = 1;
     }
 
-    // Other surfaces hold the proxy off the shape. While the probe is behind the plane below the proxy, that
-    // plane may still hold it in a stiffer layer, and it does so as soon as the others let go.
+    // Other surfaces hold the proxy off the shape. If the probe is still behind the shape's plane, that plane
+    // stays: it may hold the probe in a stiffer layer, and does so as soon as the others let go.
     void come_off() noexcept {
         if (path_.joined && normal().dot(hand_) < state_.offset && reaches_on()) return;
         if (!path_.turns) return;
@@ -240,14 +243,15 @@ class Beside {
         path_.turned = true;  // a stiffer layer was solved with this plane
     }
 
-    // For a way along a face, seen from its very plane, the face that it meets may be rounding.
+    // On a way within the plane of a face, rounding may report a face that is not there. It counts if it
+    // continues the present plane, or if the shape really has a face at the foot.
     bool lies_on_it(const Foot& foot) const noexcept {
         Foot same;
         return foot.normal.dot(normal()) >= along || facing(foot.point, little_, Vector3d::Zero(), -2, same);
     }
 
-    // Over an edge to a face behind its plane. If that is behind by less than a seam, only to a face that is
-    // turned away.
+    // Has the walk gone over an edge, to a face behind the present plane? If that face is behind by less
+    // than a seam, it counts only if it is turned away.
     bool drops(const Foot& foot) const noexcept {
         const double behind = state_.offset - normal().dot(foot.point);
         if (behind > seam_) return true;
@@ -255,12 +259,13 @@ class Beside {
         return behind > little_ || foot.normal.dot(foot_of_proxy() - foot.point) > -little_;
     }
 
-    // At a rim, or at an edge over which it leans back: no face there stops it.
+    // Has the walk stopped at a rim, or at an edge beyond which the surface leans back, although no face
+    // there blocks the way?
     bool clings(const Foot& foot) const noexcept {
         const Vector3d on = foot_of_proxy() - foot.point;
         const double far = on.norm();
-        // Measures the turn of the plane itself, which rounding does not hide: small turns in each cycle
-        // would add up.
+        // The turn of the plane is compared, since rounding does not hide it: small turns that pass unnoticed
+        // in each cycle would add up.
         const double least = std::min(little_of_seam, little_ / (2 * path_.push.norm()));
         if (!(far > little_) || !((foot.normal - normal()).dot(on) < -least * far)) return false;
         if (std::abs(normal().dot(foot.point) - state_.offset) > little_) return false;
@@ -297,8 +302,8 @@ class Beside {
         return true;
     }
 
-    // The walk goes to the face nearest to the target, so at a corner it may drop over a rim. Yet the plane
-    // continues below the target, where it holds the probe as before.
+    // At a corner the walk may drop over a rim, since it goes to the face nearest to the target. But if the
+    // present plane continues below the target, it holds the probe as before.
     bool stays_on_plane() noexcept {
         constexpr double same = 1 - 1e-9;  // cosine
         Foot foot;
@@ -310,8 +315,8 @@ class Beside {
         return true;
     }
 
-    // For a held hand the way starts a seam above the holding surface and ends on it. So it leads over a
-    // step, not against its side.
+    // For a hand that other surfaces hold, the way is lifted off them by a seam and descends at its end. So
+    // it passes over a step lower than a seam, and does not meet its side.
     double way_in(Foot& foot) const noexcept {
         Work work;
         const Vector3d from = at(state_.proxy.at), to = place();

@@ -1,9 +1,9 @@
 #pragma once
-// Inside a solid the normal of the nearest surface turns round at its core: the centre of a sphere, the axis
-// of a cylinder, the middle of a coin. A probe that is pressed through would be thrown out on the other side.
-// So where a probe has come in deep, the solid holds it by the plane that supports the solid in the direction
-// from which it came, however deep: also behind a coin, a needle or a bead that is thinner than the hand
-// sinks in. `deep` is where the nearest surface answers less than -margin.
+// Inside a solid the normal of the nearest surface reverses at the core: the centre of a sphere, the axis of
+// a cylinder, the middle of a coin. A probe that is pressed past the core would be pushed out on the far
+// side. So once a probe is deep (the height over the nearest surface is less than -margin), the solid keeps
+// the normal of the side of entry, and holds the probe by its supporting plane with that normal at any
+// depth. This also holds where the solid (a coin, a needle, a bead) is thinner than the hand sinks in.
 //
 //        natural            held: the plane by which it came in         beside: n turns to the natural one
 //                                                                        at turn_rate, the force goes with it
@@ -11,11 +11,11 @@
 //           \   |                    |                                          | /
 //     .------\--|---.          .-----|----.                             .-------|'--.
 //    (        p1     )        (      |     )   over: the line p + t n  (           ) |
-//     '-------------'          '-----|----'    meets the solid          '---------'  p3  free once its plane
-//                                    p2                                              is above: height >= 0
+//     '-------------'          '-----|----'    meets the solid          '---------'  p3  free once above its
+//                                    p2                                              plane: height >= 0
 //
-// While the normal is kept the force is a plane's, so conservative; where it turns it turns to where the
-// depth is less, which only takes energy; and it turns slowly, so nothing jumps.
+// While the normal is kept, the force is that of a plane, so it is conservative. A normal that turns, turns
+// towards less depth, which only removes energy. It turns slowly, so the force has no step.
 
 #include <algorithm>
 #include <cmath>
@@ -49,8 +49,8 @@ inline Eigen::Vector3d turned(const Eigen::Vector3d& from, const Eigen::Vector3d
     return (std::cos(angle) * from + std::sin(angle) * side).normalized();
 }
 
-/// Where the straight way between two points first reaches above(at) <= 0, in steps of above(at): no surface
-/// changes faster than the way is long.
+/// The first point of a straight path at which above(at) <= 0, by sphere tracing: each step has the length
+/// above(at), since `above` changes by no more than the length of the step.
 template <class Above>
 std::optional<Eigen::Vector3d> where_entered(const Eigen::Vector3d& from, const Eigen::Vector3d& to,
                                              double size, Above&& above) noexcept {
@@ -65,7 +65,7 @@ std::optional<Eigen::Vector3d> where_entered(const Eigen::Vector3d& from, const 
         gone += left;
         if (gone > length) return std::nullopt;
     }
-    return std::nullopt;  // the way only grazes
+    return std::nullopt;  // the path only grazes the surface
 }
 
 /// The normal that a solid should have where it holds a probe.
@@ -79,19 +79,19 @@ struct Aim {
     Eigen::Vector3d normal;
 };
 
-/// Where the solid meets other surfaces, it acts at their common point, with the normal `lean` found there.
-/// So taking hold and letting go are no steps. `alone` becomes the normal at its own foot, for harder layers
-/// in which it holds alone. One plane for both would make one of them a step to greater depth, which gives
-/// the hand energy at each taking of hold.
+/// A solid that is solved with other surfaces has the normal at their common point (hold.joint), so that the
+/// force has no step when the solid takes hold or lets go. `alone` becomes the normal at its own foot, for
+/// harder layers in which it holds alone. One normal for both would increase the depth in one of them at each
+/// taking of hold, which gives the hand energy.
 inline void lean(Facing& facing, const SolidHold& hold, Vec3& alone) noexcept {
     if (hold.joint == Vec3{}) return;
     if (std::isfinite(hold.met_below)) alone = to_plain(facing.normal);
     facing.normal = to_eigen(hold.joint);
 }
 
-/// The solid met other surfaces with this normal, in a layer of the stiffness `below` (N/m; infinity: it is
-/// in no harder layer). Later calls are for harder layers. While the solid keeps two normals, harder layers
-/// do not affect the leaning one.
+/// Notes the normal with which the solid met other surfaces in a layer of the stiffness `below` (N/m;
+/// infinity: no harder layer has the solid). Later calls are for harder layers. While the solid keeps two
+/// normals, harder layers do not change `joint`.
 inline void meet(SolidHold& hold, const Eigen::Vector3d& normal, double below) noexcept {
     if (!(hold.alone == Vec3{})) {
         if (below > hold.met_below) return;
@@ -101,7 +101,7 @@ inline void meet(SolidHold& hold, const Eigen::Vector3d& normal, double below) n
     hold.joint = to_plain(normal);
 }
 
-/// For a solid that did not hold the probe. True: it does now, and `by` becomes its facing.
+/// For a solid that does not hold the probe yet. True: it takes hold, and `by` becomes its facing.
 template <class Solid>
 bool takes_hold(Solid& solid, const Eigen::Vector3d& q, const Facing& natural, const SolidHold& hold,
                 double dt, Facing& by, Vec3& alone) noexcept {
@@ -130,7 +130,7 @@ bool takes_hold(Solid& solid, const Eigen::Vector3d& q, const Facing& natural, c
     return true;
 }
 
-/// Turns the kept normal of a solid that holds alone. True: it has arrived.
+/// Turns the normal `alone` (see lean) towards its aim. True: it has arrived.
 template <class Solid>
 bool turn_alone(const Solid& solid, const Eigen::Vector3d& q, const Facing& natural, std::uint32_t part,
                 double angle, Vec3& alone) noexcept {
@@ -145,7 +145,7 @@ bool turn_alone(const Solid& solid, const Eigen::Vector3d& q, const Facing& natu
 /// The contact of a solid at q (m, from its middle). A solid, enlarged by the probe's radius, offers
 ///
 ///   margin                     m, the depth down to which the natural contact counts
-///   ball()                     m, about the middle: a path that ends farther away has led past the solid
+///   ball()                     m, radius about the middle: a path that ends outside has led past the solid
 ///   entered(last, q, hold)     the facing through which a path entered deeply, if it did
 ///   aim(q, normal, part, natural)
 ///   over(q, normal, part)      m, height over the plane that supports it in that direction
@@ -204,7 +204,7 @@ Facing facing_of(Solid& solid, const Eigen::Vector3d& q, const Facing& natural, 
     return now;
 }
 
-/// The plane by which it holds the probe in layers of that stiffness (N/m), if it differs from its contact's.
+/// The plane by which the solid holds alone in layers of that stiffness (N/m). False: it is the contact's.
 template <class Solid>
 bool plane_alone(const Solid& solid, const Eigen::Vector3d& q, const SolidHold& hold, double stiffness,
                  CurvedContact& out) noexcept {
@@ -214,8 +214,8 @@ bool plane_alone(const Solid& solid, const Eigen::Vector3d& q, const SolidHold& 
     return true;
 }
 
-/// A direction. On the core there is none: then the last cycle's is used or, if that is 0 0 0, a fixed one
-/// across `axis`.
+/// The unit vector along v, whose length is given. On the core v has no direction: then it is the last
+/// cycle's, or a fixed one across `axis` if that is 0 0 0.
 inline Eigen::Vector3d direction_or(const Eigen::Vector3d& v, double length, const Vec3& last,
                                     const Eigen::Vector3d& axis) noexcept {
     if (length > 1e-100) return v / length;

@@ -1,5 +1,5 @@
-// Any bytes, cut anywhere, from a simulation: they give the same frames as the bytes in one piece, or the
-// same error. The first byte chooses the cuts; the second whether a handshake precedes them.
+// Any bytes from a simulation, cut anywhere, give the same frames as in one piece, or the same error. The
+// first byte chooses the cuts; the second decides whether a handshake precedes the bytes.
 
 #include <cstdlib>
 #include <string>

@@ -1,5 +1,5 @@
 #pragma once
-// What holds for any bytes as an elevation model.
+// The property of any bytes as an elevation model.
 
 #include <cmath>
 #include <stdexcept>

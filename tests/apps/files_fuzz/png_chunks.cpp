@@ -1,7 +1,6 @@
 // Any chunks as a PNG, with the lengths, checksums and packed rows that libpng demands before it looks any
-// further. They are refused in one line, or become finite heights.
-// Five bytes are the header; a piece (fuzz/pieces.hpp) is a chunk, whose control byte has its type, and what is
-// put right.
+// further. They are refused in one line, or become finite heights. Five bytes are the header. A piece
+// (fuzz/pieces.hpp) is a chunk; its control byte has its type, and which parts are made valid.
 
 #include <algorithm>
 #include <cstdint>
@@ -41,7 +40,7 @@ std::string packed(const std::string& plain) {
     return bytes;
 }
 
-/// All rows of 16 bits, each behind its filter; the bytes are repeated as often as is needed.
+/// All rows of 16-bit samples, each after its filter byte; the bytes are repeated as often as needed.
 std::string rows_of(std::string_view bytes, std::size_t columns, std::size_t count) {
     std::string plain;
     std::size_t next = 0;
@@ -58,7 +57,7 @@ std::string rows_of(std::string_view bytes, std::size_t columns, std::size_t cou
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     if (size < 5) return 0;
     const std::size_t columns = data[0] % 40u, count = data[1] % 40u;
-    // Mostly what is read: 16 bits, grey, not interlaced.
+    // Mostly the form that can be read: 16 bits, grey, not interlaced.
     std::string header = four(static_cast<std::uint32_t>(columns)) + four(static_cast<std::uint32_t>(count));
     header += static_cast<char>(data[2] < 200 ? 16 : data[2] % 33);
     header += static_cast<char>(data[3] < 200 ? 0 : data[3] % 7);

@@ -1,8 +1,8 @@
 // Any answers of a bridge to a client: about itself and its devices, to a claim, to commands. The client's
-// end of the connection is real, with its thread. The bridge is played: it answers each frame with the next
-// piece of the input, as it is or (by the control byte) after the beginning of a valid answer. When no piece
-// is left it hangs up. In every case the client ends soon with a line, and has no more than it requested.
-// Each piece has a control byte and two of length.
+// end of the connection is real, with its thread. The fake bridge answers each frame with the next piece of
+// the input, as it is or (by the control byte) after the beginning of a valid answer. When no piece is left,
+// it disconnects. In every case the client ends soon with a line, and has no more than it requested. Each
+// piece has a control byte and two bytes of length.
 
 #include <algorithm>
 #include <array>
@@ -96,8 +96,8 @@ class Bridge {
             const bool silent = ::poll(sources, 2, patience_ms) == 0;
             if (sources[1].revents != 0) echo();
             if (sources[0].revents == 0 && !silent) continue;
-            // Any request: the client makes one at a time. What it does not take for an answer would leave it
-            // waiting until it gives up, so a silent client is told the next piece.
+            // Any request counts, since the client makes one at a time. A piece that the client does not
+            // accept as an answer would leave it waiting, so a silent client is sent the next piece.
             if (!silent && ::recv(peer.get(), bytes.data(), bytes.size(), 0) <= 0) break;
             if (!say_next(peer, pieces, ++asked <= 2)) ::shutdown(peer.get(), SHUT_WR);
         }

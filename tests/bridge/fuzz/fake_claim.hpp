@@ -17,7 +17,7 @@ class FakeChannel final : public detail::ClaimChannel {
   public:
     bool full = false;        // no room for commands now
     bool render = false;      // the peer's role
-    std::uint64_t cells = 0;  // that came through
+    std::uint64_t cells = 0;  // received so far
 
     bool push(const void* commands, std::uint32_t count) noexcept override {
         if (full) return false;

@@ -20,7 +20,7 @@ struct Expected {
     bool refused = false;
 };
 
-/// As the format is defined, not as it is implemented.
+/// Parses by the definition of the format, independently of the implementation.
 Expected read_plainly(std::span<const std::uint8_t> bytes) {
     Expected expected;
     while (bytes.size() >= 8 && !expected.refused) {

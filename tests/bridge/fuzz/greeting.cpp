@@ -29,7 +29,7 @@ constexpr FrameType types[] = {FrameType::hello,       FrameType::attach,       
                                FrameType::asset_taken, FrameType::asset_ready,  FrameType::asset_refused,
                                FrameType::asset_piece};
 constexpr std::uint32_t device_count = 2;
-std::size_t attached = 0;  // at the servo, of all connections
+std::size_t attached = 0;  // claims at the servo, of all connections
 
 struct NoReports final : detail::ReportSource {
     bool next(Report&) noexcept override { return false; }
@@ -44,7 +44,7 @@ struct NoReports final : detail::ReportSource {
     void rearm() noexcept override {}
 };
 
-/// Takes assets, which are whole and sealed, and never completes them.
+/// Takes assets, checks that they are whole and sealed, and never completes them.
 struct FakeDoor final : detail::AssetDoor {
     struct Transfer final : detail::AssetTransfer {
         int event() const override { return never.get(); }

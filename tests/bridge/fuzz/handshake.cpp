@@ -1,6 +1,6 @@
 // Any bytes into an end that expects TLS and a key: it never opens, never returns a frame, and states why it
-// closed. The first byte chooses the side; the corpus has real first flights of both sides. A waiting caller
-// with such bytes is read sooner or later: as soon as they are worth it, and at the latest at the bound.
+// closed. The first byte chooses the side; the corpus has real first flights of both sides. The waiting room
+// reads a caller's bytes once they have a whole hello, cannot become one, or reach the bound.
 
 #include "streams.hpp"
 #include "waiting_room.hpp"

@@ -1,5 +1,5 @@
-// The cable is unplugged, the bridge dies, the servo dies: the hand is released gently, and nothing returns
-// by itself that must not.
+// The cable is unplugged, the bridge dies, or the servo dies: the force fades gently, and does not return by
+// itself where it must not.
 
 #include "setting.hpp"
 

@@ -40,8 +40,8 @@ struct With : testing::Test, Apart {
     }
 };
 using TwoHostsApart = With<1400>;
-using TwoHostsWithANarrowWire = With<1000>;    // which takes less than a datagram of ours
-using TwoHostsWithAWireTooNarrow = With<780>;  // not even the least
+using TwoHostsWithANarrowWire = With<1000>;    // carries less than a full datagram
+using TwoHostsWithAWireTooNarrow = With<780>;  // carries less than the smallest maximum
 using TwoHostsNarrowToTheClient = With<1500, 1000>;
 using TwoHostsNarrowToTheServer = With<1000, 1500>;
 
@@ -119,7 +119,7 @@ void expect_all_to_come_again_when(TwoHosts& hosts, Host narrow, const BridgePro
     Client client = connect_to(bridge, key);
     expect_batches_and_what_is_felt(client);
     ASSERT_TRUE(hosts.narrow(narrow, 1000)) << hosts.why();
-    constexpr bool none_lost = false;  // until it is found out
+    constexpr bool none_lost = false;  // some are lost until the ends notice
     expect_batches_and_what_is_felt(client, none_lost);
 }
 TEST_F(TwoHostsApart, NothingVanishesForGoodWhenThePathToTheClientBecomesNarrow) {
@@ -154,7 +154,7 @@ TEST_F(TwoHostsNarrowToTheServer, NothingThatIsSentVanishesWithoutAKeyEither) {
     expect_nothing_vanishes_without_a_key(hosts);
 }
 
-/// Else nobody would notice that only short datagrams are sent any more.
+/// Shows that long datagrams are used at all; no other test would notice that only short ones are sent.
 TEST(AWideWire, CarriesLongDatagramsBothWays) {
     std::atomic<std::size_t> longest[2]{};  // bytes, of batches and of reports
     Setting setting({}, 1, Keyed::yes, [&](proxy::Way way, Proxy::At, std::span<const char> datagram) {

@@ -34,7 +34,7 @@ const Case profiles[] = {
     {"Doubled", {.duplicate = 0.5, .reorder = 0.5, .held = 0.03}},
     {"Swinging", {.delay = 0.001, .swing = 0.2, .swing_period = 0.2}},
     {"Foul", foul},
-    {"FoulWithoutAKey", foul, Keyed::no},  // which is for loopback alone
+    {"FoulWithoutAKey", foul, Keyed::no},  // only on loopback
 };
 
 /// The network's effect on one observer's reports, by the datagrams' counters, which anybody can read.
@@ -150,7 +150,7 @@ TEST_P(Under, EachReportIsReadOnceInOrderAndTheOthersAreCounted) {
             ++read;
         }
     };
-    // Of its own reports: the watcher beside it may have far more of them waiting already.
+    // Counts the observer's own reports, since far more may already wait for the watcher.
     setting.pass_until([&] { return last >= first->cycle + 1200; }, read_all);
     // Reports that have arrived unread are in the network's counts but not in the reader's: waits until both
     // agree.
@@ -172,8 +172,8 @@ TEST_P(Under, EachReportIsReadOnceInOrderAndTheOthersAreCounted) {
 }
 
 TEST_P(Under, WhatIsCountedIsWhatTheNetworkDid) {
-    setting.proxy.set({});  // until the first report has come none is sent twice by the bridge itself
-    Client client = setting.remote(250);  // so rarely that no kernel drops any when a thread has to wait
+    setting.proxy.set({});  // a good network until the first report, so that the bridge sends none twice
+    Client client = setting.remote(250);  // Hz: rare enough that the kernel never has to drop one
     Observer observer = client.observe();
     ASSERT_TRUE(observer.next_report(20s));
     setting.pass(100);
@@ -225,7 +225,7 @@ TEST_P(Under, TheClockIsKnownWithinWhatItSays) {
         }
     };
     setting.pass(1200, 10, look);
-    // With such varying delays the newest win: in a second there may be few.
+    // Delays vary so much that many reports are overtaken: there may be few in a second.
     setting.pass_until([&] { return looked > 20; }, look);
 }
 

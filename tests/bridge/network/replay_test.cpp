@@ -1,5 +1,5 @@
-// An eavesdropper on the path may send again what he heard, or a modified copy: nothing moves, he gets no
-// reports, and the bridge logs how much there was.
+// An eavesdropper on the path sends recorded datagrams again, or modified copies: the force does not change,
+// the eavesdropper gets no reports, and the bridge logs how many datagrams there were.
 
 #include <cstring>
 #include <mutex>
@@ -102,7 +102,8 @@ TEST_F(Replay, UnderAnotherSessionsNameOrANewCounterIsNobodys) {
     now.erase(now.begin(), now.begin() + static_cast<std::ptrdiff_t>(before.size()));
     const Datagram newest = now.back();
     std::uint64_t counter = std::uint64_t{1} << 40;
-    // Headers are readable: he inserts the open session, and counters that were never seen.
+    // Headers are not encrypted, so the attacker can insert the open session, and counters that were never
+    // seen.
     for (auto* group : {&before, &now})
         for (Datagram& each : *group) {
             DatagramHeader header;

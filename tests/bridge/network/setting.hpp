@@ -31,8 +31,7 @@ using proxy::Proxy;
 /// One cycle as the local observer saw it.
 struct Cycle {
     std::uint64_t number;
-    double dt;           // s, since the previous cycle, at least as long as the servo assumed: from its
-                         // deadline
+    double dt;           // s, since the previous cycle's deadline: at least as long as the servo assumed
     double scene, sent;  // N along x: the scene's force, and the supervisor's output
 };
 
@@ -102,9 +101,7 @@ class Setting {
     void pass_until(So so, App app) {
         for (int rounds = 0; rounds < 6000 && !so(); ++rounds) {
             pass(10, 10, app);
-            if (testing::Test::HasFatalFailure())
-                return;  // the servo stands still, and the wait has timed
-                         // out
+            if (testing::Test::HasFatalFailure()) return;  // the servo stands still: the wait timed out
         }
         ASSERT_TRUE(so());
     }

@@ -1,4 +1,4 @@
-// knurl-proxy: a bad network by hand. Prints what it did when it is interrupted.
+// knurl-proxy: a bad network as a program. Prints its counts when it is interrupted.
 
 #include <csignal>
 #include <cstdio>

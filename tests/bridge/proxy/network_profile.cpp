@@ -14,7 +14,8 @@ std::uint64_t mixed(std::uint64_t x) noexcept {
     return x ^ (x >> 31);
 }
 
-/// Numbers from 0 to 1 by purpose: a further question changes no other's answer.
+/// Random numbers from 0 to 1, one for each question, so that a new question does not change the other
+/// numbers.
 struct Dice {
     std::uint64_t state;
     double roll(std::uint64_t question) const noexcept {

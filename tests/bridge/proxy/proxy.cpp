@@ -57,7 +57,7 @@ const sockaddr* generic(const sockaddr_in& address) {
 
 UniqueFd make_socket(int type, const sockaddr_in& address) {
     UniqueFd fd(::socket(AF_INET, type | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
-    // for TCP: what was closed a moment ago does not count. For UDP it would share the port.
+    // For TCP it ignores connections that were closed a moment ago. For UDP it would share the port.
     const int on = 1;
     if (type == SOCK_STREAM) ::setsockopt(fd.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
     if (!fd || ::bind(fd.get(), generic(address), sizeof address) != 0) return UniqueFd();
@@ -66,7 +66,7 @@ UniqueFd make_socket(int type, const sockaddr_in& address) {
 
 struct Waiting {
     double due;
-    std::uint64_t order;  // of those that are due together
+    std::uint64_t order;  // among those that are due at the same time
     Way way;
     std::uint32_t flow;
     std::vector<char> bytes;
@@ -194,7 +194,7 @@ Counts Proxy::counts() const {
 }
 
 void Proxy::Impl::run() {
-    ::prctl(PR_SET_TIMERSLACK, 1UL);  // a delay of 1 ms is not 1.05
+    ::prctl(PR_SET_TIMERSLACK, 1UL);  // ns: otherwise a delay of 1 ms becomes 1.05
     std::vector<pollfd> fds;
     while (true) {
         fds.clear();

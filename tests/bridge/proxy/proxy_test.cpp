@@ -1,4 +1,4 @@
-// Tests the bad network itself: its guarantees, and that a seed repeats it.
+// Tests the bad network itself: its guarantees, and that a seed reproduces a run.
 
 #include "proxy.hpp"
 

@@ -1,4 +1,4 @@
-// What drivers/README.md shows of a test on the emulated bus; built into those tests.
+// Runs the block of drivers/README.md about a test on the emulated bus; built into those tests.
 #include "falcon_bench.hpp"
 
 namespace knurl::drivers::usb_emulator {

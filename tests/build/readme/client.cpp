@@ -1,4 +1,5 @@
-// What the READMEs show of the client, beside a servo that ends when the hand has been under force.
+// Runs the blocks of the READMEs about the client, beside a servo that ends once the hand has been under
+// force.
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -13,7 +14,7 @@ knurl::SurfacePoint terrain(const knurl::Vec3& near) {
     return {.foot = {near.x, near.y, 0}, .normal = {0, 0, 1}};
 }
 
-/// A servo with the device "right"; what waits for its reports is told nothing any more once the device is active.
+/// A servo with the device "right". It ends once the device is active, so that loops over its reports end.
 class EndsWhenActive {
   public:
     EndsWhenActive() : watch_([this] { watch(); }) {}

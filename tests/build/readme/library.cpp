@@ -1,4 +1,5 @@
-// What the READMEs of the libraries show, around it what they take for granted. readme.py says where the blocks come from.
+// Runs the blocks of the libraries' READMEs, with the declarations that they assume. See readme.py for the
+// blocks.
 #include <array>
 #include <chrono>
 #include <filesystem>
@@ -27,7 +28,7 @@ namespace {
 using namespace knurl;
 using namespace std::chrono_literals;
 
-/// True so many times.
+/// Converts to true the given number of times.
 struct Times {
     int left;
     explicit operator bool() { return left-- > 0; }
@@ -47,7 +48,7 @@ TEST(Readme, Scene) {
     Wrench felt;
     const auto feel = [&](const Wrench& wrench) { felt = wrench; };
 #include "scene.inc"
-    EXPECT_GT(felt.force.z(), 500 * 0.002);  // the plane, and of the spring what has been faded in
+    EXPECT_GT(felt.force.z(), 500 * 0.002);  // the plane, and the part of the spring that has faded in
 }
 
 TEST(Readme, Material) {
@@ -95,7 +96,7 @@ TEST(Readme, Offline) {
     ASSERT_EQ(hand.feedback().entries.size(), 1U);
 }
 
-/// Of this process: the descriptor of a segment of that name.
+/// This process's descriptor of the segment of that name.
 int received(const std::string& name) {
     for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) {
         std::error_code gone;

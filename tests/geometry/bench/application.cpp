@@ -9,8 +9,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// The nearest point of all triangles; the normal interpolated between the corners', as who draws a mesh has
-/// it.
+/// The nearest point of all triangles, with a normal interpolated between the corners' as for rendering.
 SurfaceModel nearest_of(const Mesh& mesh) {
     return [&mesh](const Vec3& near) {
         Proxy proxy;
@@ -25,7 +24,7 @@ SurfaceModel nearest_of(const Mesh& mesh) {
     };
 }
 
-/// Where nobody is.
+/// Out of the hand's reach.
 SurfacePoint far_below(SurfacePoint face) {
     face.foot = to_plain(to_eigen(face.foot) - 1e3 * to_eigen(face.normal));
     return face;
@@ -36,7 +35,7 @@ SurfacePoint far_below(SurfacePoint face) {
 std::vector<Said> said_along(const Hand& hand, const Mesh& mesh, const Local& how) {
     const SurfaceModel plain = nearest_of(mesh), model = how.cap ? curved(plain) : plain;
     const double interval = 1 / how.rate;
-    // the slow velocity: 20 Hz
+    // The velocity's low-pass filter, of 20 Hz.
     const double share = LocalScene::period / (LocalScene::period + 1 / (2 * M_PI * 20));
     const auto at = [&](std::size_t i) { return Vector3d(hand[i][0], hand[i][1], hand[i][2]); };
     std::vector<Said> all;

@@ -1,7 +1,7 @@
 #pragma once
-// An application that has the same triangles, and at 20 to 1000 Hz tells the servo a plane or a cap for where
-// the hand is, or with Knurl's prediction for where it will be (runtime/client's predict.hpp). What it says
-// of a moment is felt a whole period later, by the scene of the servo with its cross-fade.
+// An application with the same triangles. At 20 to 1000 Hz it sends the servo a plane or a cap for the
+// hand's position, or for the predicted one (runtime/client's predict.hpp). Each update takes effect a whole
+// period later, in the servo's scene with its cross-fade.
 
 #include <memory>
 #include <vector>
@@ -20,14 +20,14 @@ struct Local {
     bool predicted = false;  // Knurl's follow()
 };
 
-/// What was said, and from which cycle on it is felt.
+/// An update, and the cycle from which on it is felt.
 struct Said {
     std::size_t felt = 0;
     Faces faces;
 };
 std::vector<Said> said_along(const Hand& hand, const Mesh& mesh, const Local& how);
 
-/// The servo's scene that is told it.
+/// The servo's scene that receives the updates.
 class LocalScene {
   public:
     static constexpr double stiffness = 1000;  // N/m

@@ -1,5 +1,5 @@
 #pragma once
-// What a cycle costs after something else has used the caches.
+// The time of a cycle after something else has used the caches.
 
 #include <cstddef>
 #include <vector>

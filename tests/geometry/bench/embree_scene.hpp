@@ -1,6 +1,6 @@
 #pragma once
-// A mesh in Embree 3, and what it is asked: a segment's first face, and the nearest point of all faces. That
-// is no proxy: it forgets where the hand came from, so through a thin part or over a ridge it jumps.
+// A mesh in Embree 3, with its two queries: the first face of a segment, and the nearest point of all faces.
+// This is not a proxy: it has no memory of the hand's path, so it jumps through thin parts and over ridges.
 
 #include <vector>
 
@@ -50,7 +50,7 @@ class EmbreeScene {
     }
 
     struct Nearest {
-        float distance = 0.02f;  // m; that far it looks
+        float distance = 0.02f;  // m; the initial value limits the search
         unsigned triangle = RTC_INVALID_GEOMETRY_ID;
         Eigen::Vector3f point = Eigen::Vector3f::Zero();
     };
@@ -77,8 +77,7 @@ class EmbreeScene {
         Eigen::Vector3f at;
         Nearest nearest;
     };
-    // The nearest point of a triangle after Ericson's "Real-Time Collision Detection", in float as Embree's
-    // own.
+    // The nearest point of a triangle (Ericson, "Real-Time Collision Detection"), in float as Embree itself.
     static bool see(RTCPointQueryFunctionArguments* args) {
         Asked& asked = *static_cast<Asked*>(args->userPtr);
         const auto& t = asked.me->triangles_[args->primID];

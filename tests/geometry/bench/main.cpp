@@ -1,6 +1,6 @@
-// knurl_bench_geometry: run time against error of what may be felt of one relief of 1 000 to 1 000 000
-// triangles, all on one path of one hand (strokes at 0.1 to 0.3 m/s pressing 1 to 3 mm, and pokes, at 1 kHz),
-// each against the reference in long double of the same run.
+// knurl_bench_geometry: run time and error of all methods to render one relief of 1 000 to 1 000 000
+// triangles, on the same path (strokes at 0.1 to 0.3 m/s that press 1 to 3 mm, and pokes, at 1 kHz). The
+// error is relative to the reference in long double of the same run.
 //   knurl_bench_geometry [--short] [--most TRIANGLES] [--cold CYCLES] [--json FILE]
 //     --short   walk beside active set alone, at two sizes, in seconds
 //     --cold    so many cold cycles of each (1050, the fewest of which 99 % is stated)
@@ -34,7 +34,7 @@ using Eigen::Vector3d;
 using ordered_json = knurl::Json;
 
 constexpr std::size_t hands_a_block = 3;
-constexpr double deep = 0.0002;  // m inside: there a hand that feels nothing has lost the surface
+constexpr double deep = 0.0002;  // m: a hand deeper inside that feels nothing has lost the surface
 constexpr int passes = 3;
 constexpr std::uint64_t seed = 7;
 
@@ -49,14 +49,14 @@ Vector3d at(const Hand& hand, std::size_t i) {
 }
 
 std::vector<Hand> strokes_and_pokes() {
-    const Relief middle(64, 0.14);  // of it: of the size that the hands are made for
+    const Relief middle(64, 0.14);  // the middle of the relief, of the size for which Hands is made
     Hands hands(middle.shape, seed);
     std::vector<Hand> all;
     for (int i = 0; i < 102; ++i) all.push_back(i % 5 < 2 ? hands.stroke() : hands.poke());
     return all;
 }
 
-/// What the reference says of every cycle of every hand.
+/// The reference's proxy in every cycle of every hand.
 using Truth = std::vector<std::vector<ProxyPoint>>;
 Truth truth_of(const Relief& relief, const std::vector<Hand>& hands) {
     const exact::Surface surface(relief.shape.vertices, relief.shape.triangles);
@@ -83,7 +83,7 @@ double percentile(std::vector<double>& samples, double share) {
     return samples[place];
 }
 
-/// What one method did at one size.
+/// The results of one method at one size.
 struct Seen {
     std::vector<double> errors;         // m
     std::size_t lost = 0, losses = 0;   // cycles without contact deep inside; how often that began
@@ -96,7 +96,7 @@ class Bench {
   public:
     explicit Bench(const std::vector<Hand>& hands) : hands_(hands) {}
 
-    /// One hand after the other, all methods on each.
+    /// Runs one hand after the other, with all methods on each.
     std::vector<Seen> run(const Methods& methods, const Truth& truth) {
         std::vector<Seen> all(methods.size());
         std::vector<std::vector<double>> block(methods.size());
@@ -118,7 +118,7 @@ class Bench {
         return all;
     }
 
-    /// So many cycles, spread over all hands.
+    /// Runs that many cold cycles, spread over all hands.
     void run_cold(const Methods& methods, const Truth& truth, std::size_t samples, std::vector<Seen>& all) {
         std::size_t touching = 0, seen = 0;
         for (const auto& hand : truth)
@@ -139,7 +139,7 @@ class Bench {
         }
     }
 
-    /// One look at memory that is in no cache, code and page table and all.
+    /// The time of one memory access that is in no cache, including code and page table.
     std::vector<double> look_cold(int samples) {
         constexpr std::size_t bytes = std::size_t{64} << 20;
         const std::vector<char> memory(bytes, 1);
@@ -207,7 +207,7 @@ ordered_json stated(std::vector<double>& samples, double share) {
     return enough ? ordered_json(percentile(samples, share)) : ordered_json(nullptr);
 }
 
-/// All that a run leaves.
+/// The output of a run.
 class Report {
   public:
     explicit Report(const measure::Machine& machine) { run_.machine = machine; }
@@ -249,7 +249,7 @@ class Report {
         run_.results.push_back(measure::summarise_blocks(what + where, "ns", seen.middles));
         run_.results.push_back(measure::summarise_blocks(what + ", 99 %" + where, "ns", seen.extremes));
     }
-    /// All results beside those of this method at the same size.
+    /// Relates all results to those of this method at the same size.
     void beside(const std::string& method) {
         for (measure::Result& result : run_.results) {
             const bool extreme = result.name.find(", 99 %") != std::string::npos;
@@ -265,7 +265,7 @@ class Report {
         std::printf("          a look at memory, cold: %.0f ns\n", run_.results.back().p50.value_or(NAN));
     }
 
-    /// How many times `reference` the median of `what` takes, by bootstrap over the blocks of both.
+    /// Judges the ratio of the medians of `what` and `reference`, by bootstrap over the blocks of both.
     void goal(const std::string& what, const std::string& reference, double most) {
         const measure::Result *one = find(what), *other = find(reference);
         if (one == nullptr || other == nullptr) return;
@@ -285,7 +285,7 @@ class Report {
             {});
         if (interval) verdict(what + " to " + reference, most, interval->low, interval->high);
     }
-    /// What is counted or exact, and has no noise.
+    /// Judges a value that is counted or exact, so has no noise.
     void fact(const std::string& what, double most, double value) { verdict(what, most, value, value); }
 
     std::string text(const Options& options) const {
@@ -347,7 +347,7 @@ void run(const Options& options, Report& report) {
             report.fact(which + ": cycles that lost the contact", 0, double(seen[m].lost));
         }
         if (options.brief || cells != medium) continue;
-        // How many triangles there are is nothing to the scene's planes and caps: one size will do.
+        // The scene's planes and caps do not depend on the number of triangles, so one size is enough.
         const Methods scenes = in_a_scene(shapes, hands);
         seen = bench.run(scenes, truth);
         bench.run_cold(scenes, truth, std::min<std::size_t>(options.cold, 200), seen);

@@ -31,7 +31,7 @@ class Walk : public Method {
     Proxy proxy_;
 };
 
-/// Zilles and Salisbury's way in every cycle, on the same faces and tree.
+/// The method of Zilles and Salisbury in every cycle, on the same faces and tree.
 class ActiveSet : public Method {
   public:
     explicit ActiveSet(const Mesh& mesh)
@@ -69,7 +69,7 @@ class EmbreePoint : public Method {
 };
 #endif
 
-/// The walk as the servo has it, among the representations of a scene.
+/// The walk as the servo runs it, as a representation of a scene.
 class InAScene : public Method {
   public:
     explicit InAScene(const Mesh& mesh)

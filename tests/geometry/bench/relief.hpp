@@ -1,6 +1,7 @@
 #pragma once
-// One relief of 24 by 24 cm with bumps of 12 to 60 mm, cut into as many triangles as one likes: as a mesh,
-// and as the heights of the same triangles. It has the area of a bunny of 15 cm, and so triangles as large.
+// A relief of 24 by 24 cm with bumps of 12 to 60 mm, of any number of triangles: as a mesh, and as the
+// heights of the same triangles. Its area is that of a bunny of 15 cm, so that its triangles have a usual
+// size.
 
 #include <cmath>
 #include <vector>

@@ -4,7 +4,7 @@ namespace exact {
 
 namespace {
 
-constexpr Real behind = 1e-12L;  // of the size: a probe that touches to rounding is not through
+constexpr Real behind = 1e-12L;  // of the size: a probe behind a face by less than this has not passed it
 constexpr Real moved = 1e-16L;   // of the size
 
 }  // namespace
@@ -16,9 +16,9 @@ void GodObject::let_go(const V& hand) {
     at_ = last_ = hand, touching_ = false, met_ = true;
 }
 
-/// From face to face for as long as the next one has a point nearer to the hand. Both hold the point between
-/// them, and the nearest point x of a convex set to the hand is nearer than any y of it by |x - y| at least
-/// in the square: so it is enough, and sharper, to ask whether the point moves.
+/// Goes from face to face as long as the next one has a point nearer to the hand. The present point is on
+/// both faces. The nearest point x of a convex set satisfies |y - h|^2 >= |x - h|^2 + |x - y|^2 for any y of
+/// the set, so it is enough, and more accurate, to check whether the point moves.
 Nearest3 GodObject::descend(const V& hand) {
     const Surface& s = *surface_;
     Nearest3 here = s.nearest(face_, hand);
@@ -50,7 +50,7 @@ Nearest3 GodObject::descend(const V& hand) {
     return here;
 }
 
-/// Over a rim it goes as the hand does: held only if what is beside the rim is in the way.
+/// At a rim the surface holds the god-object only if one of its faces blocks the way to the hand.
 bool GodObject::held(const Nearest3& rest, const V& hand) const {
     const V n = surface_->pseudonormal(face_, rest);
     if (!(dot(hand - at_, n) <= 0)) return false;
@@ -71,7 +71,7 @@ bool GodObject::step(const V& hand) {
         const Nearest3 rest = descend(hand);
         at_ = rest.point;
         if (held(rest, hand)) break;
-        // Nothing of what holds `at` holds the hand back.
+        // No face at `at` blocks the way to the hand.
         const Crossing hit = s.sweep(at_, hand, behind * s.size(), &at_);
         if (hit.face < 0) {
             let_go(hand);

@@ -1,6 +1,6 @@
 #pragma once
-// The god-object of Zilles and Salisbury on one surface: where a probe that may not go through is held while
-// the hand goes on. No step of it is bounded in number, and it never guesses.
+// The god-object of Zilles and Salisbury on one surface: the point at which the surface holds a probe while
+// the hand goes on. It has no limits of work and uses no approximation.
 
 #include "surface.hpp"
 
@@ -10,18 +10,18 @@ class GodObject {
   public:
     explicit GodObject(const Surface& surface) : surface_(&surface) {}
 
-    /// The hand is there now. True: held back.
+    /// Moves the hand there. True: the surface holds it.
     bool step(const V& hand);
 
     const V& at() const { return at_; }
     bool touching() const { return touching_; }
     int face() const { return face_; }
-    /// Where free space is as seen from `at`.
+    /// The direction of free space at `at`.
     V normal() const { return surface_->pseudonormal(face_, surface_->nearest(face_, at_)); }
-    /// It is held there by that face now: another way to have come here was as good.
+    /// Moves the god-object to that place and face, to which another path could have led as well.
     void put(const V& at, int face);
     void let_go(const V& hand);
-    /// Rounds of going on after having been held by another face that did not come to rest: must be 0.
+    /// How often 1000 rounds of going on from face to face did not come to rest: must be 0.
     int unsettled() const { return unsettled_; }
 
   private:

@@ -8,8 +8,8 @@ namespace exact {
 
 namespace {
 
-constexpr Real tiny = 1e-15L;  // of an edge: nearer to its end is that end
-constexpr Real flat = 1e-12L;  // sum of normals: they cancel out
+constexpr Real tiny = 1e-15L;  // share of an edge: a point this near to an end is that end
+constexpr Real flat = 1e-12L;  // a sum of normals that is smaller cancels out
 
 V least(const V& a, const V& b) {
     return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)};
@@ -18,7 +18,7 @@ V most(const V& a, const V& b) {
     return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)};
 }
 
-/// Of the segment, between 0 and 1.
+/// The nearest point as a share of the segment, between 0 and 1.
 Real nearest_of(const V& a, const V& b, const V& p) {
     const V d = b - a;
     const Real t = dot(p - a, d) / dot(d, d);
@@ -50,7 +50,7 @@ Surface::Surface(std::span<const std::array<double, 3>> vertices,
     fill_grid();
 }
 
-/// Half edges sorted by the two vertices: those of one edge lie together.
+/// Sorts half edges by their two vertices, so that those of one edge are adjacent.
 void Surface::connect() {
     struct Half {
         int from, to;  // the smaller vertex first
@@ -85,10 +85,10 @@ void Surface::connect() {
             const V front = normal_[halves[i].at / 3];
             Real best = 7;
             for (std::size_t j = first; j < end; ++j) {
-                if (halves[j].turned == halves[i].turned) continue;  // one would meet its back
+                if (halves[j].turned == halves[i].turned) continue;  // the walk would meet its back
                 const V to = away(halves[j]);
                 Real angle = std::atan2(dot(to, front), dot(to, from));
-                // A face and the same one turned are the two sides of a sheet: it is all the way round.
+                // A face and its reverse are the two sides of a sheet: the angle between them is a full turn.
                 if (angle < 0) angle += 2 * pi;
                 if (angle < 1e-12L && dot(normal_[halves[j].at / 3], front) < 0) angle = 2 * pi;
                 if (angle < best) best = angle, over_[halves[i].at / 3][halves[i].at % 3] = halves[j].at;
@@ -187,7 +187,7 @@ bool Surface::rim(int face, const Nearest3& at) const {
 }
 
 Real Surface::winding(const V& p) const {
-    double sum = 0;  // in double: it is rounded to whole numbers anyway (Van Oosterom and Strackee 1983)
+    double sum = 0;  // double is enough for an integer (Van Oosterom and Strackee 1983)
     for (int f = 0; f < static_cast<int>(face_.size()); ++f) {
         const V a = corner(f, 0) - p, b = corner(f, 1) - p, c = corner(f, 2) - p;
         const Real la = length(a), lb = length(b), lc = length(c);

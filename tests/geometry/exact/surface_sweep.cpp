@@ -1,4 +1,4 @@
-// What lies on the way: segments against faces, in the cells of a grid or against all of them.
+// Segments against faces: against those in the cells of a grid, or against all.
 
 #include <algorithm>
 
@@ -65,7 +65,7 @@ void Surface::fill_grid() {
     each_cell([&](std::size_t cell, std::uint32_t f) { in_cell_[next[cell]++] = f; });
 }
 
-/// Of those that a box touches, a little larger than it is.
+/// Calls `each` for every cell that a box touches; the box is enlarged by rounding.
 template <class Do>
 void Surface::cells(const V& low, const V& high, Do&& each) const {
     const Real slack = 1e-9L * size_;
@@ -88,7 +88,7 @@ void Surface::cells(const V& low, const V& high, Do&& each) const {
     }
 }
 
-/// A face may be told more than once.
+/// Calls `each` for every face in these cells, maybe more than once.
 template <class Do>
 void Surface::within(const V& low, const V& high, Do&& each) const {
     cells(low, high, [&](std::size_t cell) {
@@ -107,7 +107,7 @@ Crossing Surface::sweep(const V& a, const V& b, Real behind, const V* but) const
         const V low{std::min(p.x, q.x), std::min(p.y, q.y), std::min(p.z, q.z)};
         const V high{std::max(p.x, q.x), std::max(p.y, q.y), std::max(p.z, q.z)};
         within(low - slack, high + slack, [&](int f) { meet(f, a, b, behind, but, first); });
-        if (first.face >= 0 && first.t <= t1) break;  // a later piece holds none before it
+        if (first.face >= 0 && first.t <= t1) break;  // later pieces of the segment have no earlier crossing
     }
     return first;
 }

@@ -1,6 +1,6 @@
 #pragma once
-// Input taken apart, and hands on whatever was made of it: every cycle keeps to its limits, and what is felt
-// is finite and of that shape.
+// Takes an input apart, and moves hands on the shape that was made of it: every cycle is within its limits,
+// and the contact is finite and on that shape.
 
 #include <cmath>
 #include <cstdint>
@@ -15,7 +15,8 @@
 
 namespace knurl::fuzz {
 
-/// After the end it goes on by chance: a few bytes already make a mesh of many vertices.
+/// After the end of the input it continues with random values, so that a few bytes make a mesh of many
+/// vertices.
 class Input {
   public:
     explicit Input(std::span<const std::uint8_t> bytes) : rest_(bytes) {
@@ -43,8 +44,8 @@ class Input {
     std::uint64_t chance_ = 0xcbf29ce484222325;
 };
 
-/// How many there are of something, by a byte: mostly few, since to build a soup of n triangles that all cross
-/// takes n^2 and more, and what goes wrong between a hundred goes wrong between twenty.
+/// Maps a byte to a count that is mostly small: building n triangles that all cross takes n^2 or more, and a
+/// fault among a hundred also shows among twenty.
 inline unsigned count_of(std::uint8_t byte) {
     return byte < 252 ? byte % 20u : byte;
 }
@@ -57,7 +58,7 @@ inline double coordinate(Input& input, unsigned form) {
             return input.next<double>();
         case any_float:
             return input.next<float>();
-        // Few places: many vertices meet, many triangles have no area or lie on each other.
+        // Few places, so that many vertices meet, and many triangles have no area or lie on each other.
         case steps:
             return input.next<std::int8_t>() / 8 * 0.01;
         default:

@@ -1,6 +1,6 @@
-// Any bytes as a mesh, and hands on what is made of it. Whatever was given, the builder makes a mesh within
-// its budget or refuses in one line; on a mesh every cycle keeps to its limits, and what is felt is finite
-// and of that mesh. First the form (8 bytes), then vertices, then triangles; the rest moves the hand.
+// Any bytes as a mesh, and hands on the built mesh. The builder makes a mesh within its budget, or refuses
+// in one line. On a mesh every cycle is within its limits, and the contact is finite and on that mesh. An
+// input has the form (8 bytes), then vertices, then triangles; the rest moves the hand.
 
 #include <cmath>
 #include <string>

@@ -1,7 +1,6 @@
-// Any bytes as what an application has sent, a mesh or a height field: the servo's builder makes the asset
-// within its budget or refuses in one line, the asset is the same where another process reads it, and hands
-// move on it. First the form (8 bytes), then the source, as it is or made of what follows; the rest moves the
-// hand.
+// Any bytes as an asset from an application, a mesh or a height field. The servo's builder makes the asset
+// within its budget, or refuses in one line; another process reads the same asset; hands move on it. An
+// input has the form (8 bytes), then the source, raw or well-formed; the rest moves the hand.
 
 #include <algorithm>
 #include <memory>
@@ -39,7 +38,7 @@ AssetMaterial material(Input& input, bool any) {
     return {.stiffness = input.next<std::uint8_t>() / 255.0};
 }
 
-/// Of its own bytes: those that the form says.
+/// Copies that many bytes from the input.
 void put_bytes(Source& source, Input& input, std::size_t bytes) {
     for (std::size_t i = 0; i < bytes; ++i) source.put(input.next<std::uint8_t>());
 }

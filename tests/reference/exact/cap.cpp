@@ -4,9 +4,9 @@ namespace exact {
 
 namespace {
 
-// One curved direction in the plane of across (the distance from the axis of symmetry, >= 0) and up: the
-// signed distance from an arc of curvature a (positive: a hump) that touches the origin, straight on from the
-// sine `rim` of its angle.
+// One curved direction, in the plane of `across` (the distance from the axis of symmetry, >= 0) and `up`: the
+// signed distance from an arc of curvature a (positive: a hump) through the origin. Beyond the angle with the
+// given sine the arc continues as its tangent.
 struct Arc {
     Real height, up, out;  // the height and its gradient
     Real clear;
@@ -17,7 +17,7 @@ Arc arc(Real a, Real sine, Real across, Real up) {
     const Real level = 1 + a * up;  // above the centre, in radii
     if (std::fabs(a) * across * cosine <= sine * level) {
         const Real root = std::sqrt(level * level + a * a * across * across);
-        // (|p - c|^2 - R^2) / (|p - c| + R): no difference of large numbers however flat the arc is.
+        // (|p - c|^2 - R^2) / (|p - c| + R): subtracts no large numbers, however flat the arc is.
         return {(2 * up + a * (up * up + across * across)) / (1 + root), level / root, a * across / root,
                 root / std::fabs(a)};
     }
@@ -42,8 +42,8 @@ Foot cap(const Cap& c, const V& probe, Real radius) {
         const V out = across > 0 ? (1 / across) * flat : V{};
         return {unit(one.up * n + one.out * out), one.height - radius, one.clear};
     }
-    // The stronger curvature is the tube's, the weaker one that of the ring; both, and the angles of the
-    // rims, by what the application gave.
+    // The stronger curvature is the tube's, the weaker one the ring's. The application's own values decide
+    // which is stronger, and the angles of the rims.
     const V along = unit(flattened(c.axis, n)), beside = cross(n, along);
     const bool first = std::fabs(c.curvature) > std::fabs(c.curvature2);
     const Real strong = first ? k1 : k2, weak = first ? k2 : k1;

@@ -5,11 +5,11 @@
 
 namespace exact {
 
-/// What a surface answers to a point: its distance from the tangent plane, towards free space.
+/// What a surface answers to a point: the tangent plane's normal, towards free space, and the height over it.
 struct Foot {
     V normal;
     Real height = 0;  // m
-    Real clear = 1;   // m, from where the normal is not defined (centre, axis): it turns by rounding / clear
+    Real clear = 1;   // m, from the nearest place without a normal (centre, axis)
 };
 
 struct Cap {

@@ -6,8 +6,8 @@ namespace exact {
 
 namespace {
 
-// dx = sum u_i n_i with n_i . dx = s_i for the planes of one subset, by orthogonalising. `width` is what of
-// each normal lies across the others: a weight matters by that much.
+// dx = sum u_i n_i with n_i . dx = s_i for the planes of one subset, by orthogonalising. `width` is the part
+// of each normal that is perpendicular to the others: the factor by which a weight affects dx.
 struct Subset {
     bool independent = false;
     V dx;
@@ -24,7 +24,7 @@ Subset hold(const V& n, Real s) {
 
 Subset hold(const V& a, Real sa, const V& b, Real sb) {
     Subset out;
-    // Subtract before multiplying: b - a is exact where a and b are all but parallel.
+    // Subtract before multiplying: b - a is exact where a and b are almost parallel.
     const V d = b - a;
     const V e = b + a;
     const bool alike = dot(a, b) > 0;
@@ -136,7 +136,7 @@ Nearest nearest_free(std::span<const Touch> planes, Real rounding) {
     }
     if (!(worst > -rounding)) return out;
     if (!(worst > 0)) {
-        for (std::size_t i = 0; i < n; ++i) {  // only just out of touch: each may be the one that holds
+        for (std::size_t i = 0; i < n; ++i) {  // out of touch by rounding only: any of these may hold
             if (s[i] > -rounding) out.holdings.push_back({{static_cast<int>(i)}, {1}});
         }
         return out;
@@ -224,7 +224,7 @@ Push push(std::span<const Touch> touches, const V& velocity, Real rounding) {
     out.undamped = out.least = out.most = undamped;
     if (!(undamped > 0)) return out;
 
-    // Damping is that of the planes which hold the stiffest layer that is touched.
+    // The planes that hold in the stiffest touched layer determine the damping.
     const V m = unit(out.force);
     bool first = true;
     for (std::size_t j = layers.size(); j-- > 0;) {
@@ -242,7 +242,7 @@ Push push(std::span<const Touch> touches, const V& velocity, Real rounding) {
             out.most = first ? damped : std::max(out.most, damped);
             first = false;
         }
-        if (length(nearest[j].dx) > rounding) break;  // surely touched
+        if (length(nearest[j].dx) > rounding) break;  // touched beyond rounding
     }
     out.force = (out.least + out.most) / 2 * m;
     return out;

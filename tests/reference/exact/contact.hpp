@@ -1,7 +1,7 @@
 #pragma once
-// What a probe feels that touches several surfaces at once, by trying all ways in which up to three tangent
-// planes can hold it (Karush, Kuhn, Tucker), all ways in which up to four can contradict each other (Farkas),
-// and one such search per stiffness.
+// The force on a probe that touches several surfaces at once. Tries all ways in which up to three tangent
+// planes can hold the probe (Karush, Kuhn, Tucker) and in which up to four can contradict each other
+// (Farkas), once per stiffness.
 
 #include <span>
 #include <vector>
@@ -27,10 +27,10 @@ struct Holding {
 
 struct Nearest {
     V dx;                           // m, from the probe to the nearest free point
-    std::vector<Holding> holdings;  // all that do it, up to rounding
+    std::vector<Holding> holdings;  // all that hold it there, up to rounding
     Real give = 0;                  // m, by which all planes had to give way
     Real sharpness = 1;             // sine of the smallest angle between planes that meet there
-    Real residual = 0;              // m, of the conditions: how far the reference itself may be off
+    Real residual = 0;              // m, of the conditions: the possible error of the reference itself
 };
 
 /// The nearest point that satisfies all planes; if there is none, all of them give way by the smallest amount
@@ -56,7 +56,7 @@ struct Push {
 /// cover all of them.
 Push push(std::span<const Touch> touches, const V& velocity, Real rounding = 0);
 
-/// Planes by sum, as the paper and VRPN do it: max(0, k depth - b v.n) n each.
+/// Planes combined by sum, as in the paper and in VRPN: each gives max(0, k depth - b v.n) n.
 V summed(std::span<const Touch> touches, const V& velocity);
 
 }  // namespace exact

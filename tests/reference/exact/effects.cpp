@@ -87,14 +87,14 @@ V block(const Matrix& j, int row, int column, const V& x) {
     V out;
     Real* const at[] = {&out.x, &out.y, &out.z};
     for (int r = 0; r < 3; ++r) {
-        // The symmetric part alone: it has a potential.
+        // Only the symmetric part has a potential.
         const auto s = [&](int c) { return (j.at[row + r][column + c] + j.at[column + c][row + r]) / 2; };
         *at[r] = s(0) * x.x + s(1) * x.y + s(2) * x.z;
     }
     return out;
 }
 
-/// The gradient of f(u) h(r), f homogeneous of that degree in d = r u, with `slope` its own at u.
+/// The gradient of f(u) h(r). f is homogeneous of that degree in d = r u, and has the gradient `slope` at u.
 V gradient(const V& slope, int degree, const V& u, Real r, const Edge& h) {
     if (!(r > 0)) return degree == 1 ? h.slope * slope : V{};
     const Real along = dot(slope, u);
@@ -109,7 +109,7 @@ Twist taylor(const Taylor& t, const Tip& tip, const Device& device) {
     Matrix j = t.jacobian;
     V turn;
     if (j.size == 6) {
-        // q q0^-1 by the shorter way; both may have any length.
+        // The shorter rotation q q0^-1; both quaternions may have any length.
         const Turn a = tip.orientation,
                    b{t.orientation.w, -t.orientation.x, -t.orientation.y, -t.orientation.z};
         const V av{a.x, a.y, a.z}, bv{b.x, b.y, b.z};
@@ -123,7 +123,7 @@ Twist taylor(const Taylor& t, const Tip& tip, const Device& device) {
         if (j.size == 3) {
             j = clamped(j, -low, hand);
         } else if (std::isfinite(device.torsion)) {
-            const Real metres = std::sqrt(device.torsion / device.stiffness);  // a radian counts as so many
+            const Real metres = std::sqrt(device.torsion / device.stiffness);  // for one radian
             const auto scale = [&](int row) { return row < 3 ? Real(1) : metres; };
             for (int r = 0; r < 6; ++r) {
                 for (int c = 0; c < 6; ++c) j.at[r][c] /= scale(r) * scale(c);

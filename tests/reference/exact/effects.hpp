@@ -16,7 +16,7 @@ struct Tip {
     V velocity, turning;  // m/s, rad/s
 };
 
-/// What a device allows; infinite: there is none.
+/// What a device allows; infinite stiffness: there is no device.
 struct Device {
     Real stiffness = INFINITY, torsion = INFINITY;  // N/m, N m/rad
     Real mass = 0, lag = 0, period = 1e-3L;         // kg, s, s
@@ -42,8 +42,8 @@ struct Matrix {
 /// The same with the eigenvalues of its symmetric part brought within [low, high] (Jacobi's rotations).
 Matrix clamped(const Matrix& m, Real low, Real high);
 
-/// What an edge makes of a length r, with its slope: the share of the energy that is left (1 up to `core` of the
-/// edge, from there a smoothstep to 0), or r^2 and r as they go on beyond a rim.
+/// A function of a length r at an edge, with its slope: the share of the energy that is left (1 up to `core`
+/// of the edge, from there a smoothstep to 0), or the continuation of r^2 or r beyond a rim.
 struct Edge {
     Real value, slope;
 };
@@ -57,7 +57,7 @@ struct Taylor {
     Matrix jacobian;  // 3 x 3, or 6 x 6 with torque and rotation
     Real radius = 0, angle = 1;
     bool hold = false;
-    // How far the device lets the edge go: the core's share of the reach, and what is left of the field.
+    // How far the device permits the edge: the core's share of the reach, and the size of the field.
     Real core = 0.8L;
     Real size = 0;  // the root of the sum of squares of the jacobian after that
 };

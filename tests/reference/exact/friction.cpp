@@ -2,7 +2,7 @@
 
 namespace exact {
 
-/// Evenly from the spread, by the numbers of SplitMix64 (Steele, Lea & Flood, OOPSLA 2014).
+/// Uniform over the spread, from the numbers of SplitMix64 (Steele, Lea & Flood, OOPSLA 2014).
 void Friction::draw_next(State& s, const Law& law) {
     std::uint64_t z = law.seed + ++s.draws * 0x9e3779b97f4a7c15u;
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
@@ -17,11 +17,11 @@ V Friction::act(State& s, const Law& law, const Sliding& surface, const V& x, Re
         return {};
     }
     const V stretch = surface.along(s.anchor - x);
-    s.anchor = x + stretch;  // what the surface has turned away from does not come back
+    s.anchor = x + stretch;  // the part along the normal is lost for good
     const Real length_ = length(stretch);
     if (law.kind == Law::Kind::paper) {
         if (!s.sliding && length_ > law.d_snap) {
-            if (law.d_mean == 0) {  // snags everywhere: it is dragged by the longest stretch
+            if (law.d_mean == 0) {  // snags everywhere: the anchor is dragged at the longest stretch
                 s.anchor = x + law.d_snap / length_ * stretch;
             } else {
                 s.sliding = true, s.farthest = 0;
@@ -31,8 +31,7 @@ V Friction::act(State& s, const Law& law, const Sliding& surface, const V& x, Re
         if (s.sliding) {
             s.farthest = std::max(s.farthest, length_);
             if (length_ >= s.next && length_ > 0) {
-                s.anchor +=
-                    -s.next / length_ * stretch;  // the tip has come past the next snag: it holds from there
+                s.anchor += -s.next / length_ * stretch;  // the tip has passed the next snag, which holds it
                 s.sliding = false;
             } else if (s.farthest - length_ > 2 * law.resolution) {
                 s.anchor = x;
@@ -41,7 +40,7 @@ V Friction::act(State& s, const Law& law, const Sliding& surface, const V& x, Re
         }
         const V from = surface.along(s.anchor - x);
         const Real ahead = length(from);
-        if (!s.sliding) {  // a step that ends beyond what the snag can hold feels what it can hold
+        if (!s.sliding) {  // the force is at most what the snag can hold, however long the step
             const Real most = std::max(law.stiffness * law.d_snap, law.dynamic) * normal_force;
             const Real k = std::min(normal_force * law.stiffness, law.max_stiffness);
             return (k * ahead > most ? most / ahead : k) * from;
@@ -57,8 +56,8 @@ V Friction::act(State& s, const Law& law, const Sliding& surface, const V& x, Re
     }
     const Real most = law.dynamic * normal_force;
     if (!s.sliding) return law.stiffness * stretch;
-    // The anchor follows straight on, until it meets the next snag: at that distance from where the last one
-    // let go.
+    // The anchor follows in a straight line until it meets the next snag, at the distance `next` from the
+    // place where the last one let go.
     const V kept = force > most ? most / force * stretch : stretch, way = kept - stretch;
     if (law.kind == Law::Kind::snag) {
         const V start = surface.along(s.anchor - s.snag);
@@ -71,7 +70,7 @@ V Friction::act(State& s, const Law& law, const Sliding& surface, const V& x, Re
                 s.anchor = x + met;
                 return law.stiffness * met;
             }
-            s.anchor = s.snag = x + kept;  // it does not hold: passed, with all others on this step's way
+            s.anchor = s.snag = x + kept;  // it does not hold: this step passes it and all others on its way
             draw_next(s, law);
             return law.stiffness * kept;
         }

@@ -1,6 +1,6 @@
 #pragma once
-// Friction as the text has it, step by step: elastic Coulomb, the passive snag, the paper's snag, viscous. It
-// follows one tip along a path and says the force in each step.
+// Friction by its definitions: elastic Coulomb, the passive snag, the paper's snag, viscous. Follows one tip
+// along a path, and returns the force in each step.
 
 #include <cstdint>
 
@@ -10,8 +10,8 @@ namespace exact {
 
 struct Law {
     enum class Kind { coulomb, snag, paper } kind = Kind::coulomb;
-    Real stiffness = 0;             // N/m of the anchor's spring; the paper's: 1/m, by normal force
-    Real static_ = 0, dynamic = 0;  // by normal force
+    Real stiffness = 0;             // N/m of the anchor's spring; the paper's: 1/m, per normal force
+    Real static_ = 0, dynamic = 0;  // per normal force
     Real viscous = 0;               // N s/m
     Real d_snap = 0, d_mean = 0, d_spread = 0;  // m
     std::uint64_t seed = 1;                     // of the distances between snags
@@ -19,7 +19,7 @@ struct Law {
     Real resolution = 0;                        // m, of the encoders
 };
 
-/// What the tip can slide along: across `normal`, or along `line`.
+/// Where the tip can slide: perpendicular to `normal`, or in a corner along `line`.
 struct Sliding {
     V normal, line;
     bool corner = false;
@@ -28,7 +28,7 @@ struct Sliding {
 
 class Friction {
   public:
-    /// The force (N) of a tip at x that presses with N; dt = 0 changes nothing.
+    /// The force (N) on a tip at x that presses with `normal_force`. dt = 0 leaves the state unchanged.
     V step(const Law& law, const Sliding& surface, const V& x, const V& velocity, const V& carried,
            Real normal_force, Real dt);
 

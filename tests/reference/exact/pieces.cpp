@@ -40,7 +40,7 @@ Piece half_plane(const V& normal, Real offset, const V& edge, Real edge_offset, 
     p.both_sides = both_sides;
     p.normal = unit(normal);
     const Real level = offset / length(normal);
-    // edge . x <= edge_offset on the plane: what of the edge's direction lies along the normal is known
+    // edge . x <= edge_offset, restricted to the plane: the part of `edge` along the normal is constant
     // there.
     const V flat = edge - dot(edge, p.normal) * p.normal;
     p.edge = unit(flat);
@@ -153,8 +153,8 @@ std::optional<Foot> BoxTouch::step(const Box& box, const V& probe, Real radius) 
             decide(nearest - second);
         }
     } else {
-        // Where the way since the last step enters: the last of the three pairs of faces that it comes
-        // between.
+        // The face by which the path since the last step enters: of the three pairs of faces, the path enters
+        // through the last pair that it comes between.
         Real enters = -INFINITY, leaves = INFINITY;
         int face = -1, sign = 1;
         for (int i = 0; i < 3; ++i) {

@@ -1,5 +1,6 @@
 #pragma once
-// Flat finite pieces and boxes, which remember how the probe came: one step of its path at a time.
+// Flat finite pieces and boxes, which remember from where the probe came: evaluates one step of a path at a
+// time.
 
 #include <optional>
 #include <vector>
@@ -27,9 +28,9 @@ Piece half_plane(const V& normal, Real offset, const V& edge, Real edge_offset, 
 /// One probe's path beside a piece.
 class PieceTouch {
   public:
-    /// Nothing: the piece is not felt, whatever the distance.
+    /// Empty: the piece is not felt, whatever the distance.
     std::optional<Foot> step(const Piece& piece, const V& probe, Real radius);
-    Real doubt = INFINITY;  // m, by how little the last step's decisions were made
+    Real doubt = INFINITY;  // m, the smallest margin of the last step's decisions
 
     int touched() const { return touched_; }  // 1: held in front, -1: behind, 0: not
 
@@ -55,7 +56,7 @@ class BoxTouch {
     V last_;
     int axis_ = -1, sign_ = 1;
 };
-/// A hollow box: from the probe to the nearest point at which it fits.
+/// A hollow box: the vector from the probe to the nearest point at which the probe fits in.
 V hollow_box(const Box& box, const V& probe, Real radius);
 
 }  // namespace exact

@@ -1,6 +1,6 @@
 #pragma once
-// Numbers of the reference: long double (64 bits of mantissa on x86), three of them a vector. Nothing here
-// comes from reps/ or from a library, so nothing can be wrong in both.
+// The reference's numbers and vectors, in long double (64 bits of mantissa on x86). Nothing here comes from
+// reps/ or from a library, so they share no mistake.
 
 #include <algorithm>
 #include <cmath>
@@ -42,12 +42,12 @@ inline Real length(const V& a) {
 inline V unit(const V& a) {
     return (1 / length(a)) * a;
 }
-/// The part of v across the unit vector n; what the first time leaves along it is rounding.
+/// The part of v perpendicular to the unit vector n. The second step removes the rounding of the first.
 inline V flattened(const V& v, const V& n) {
     const V once = v - dot(v, n) * n;
     return once - dot(once, n) * n;
 }
-/// Any unit vector across n.
+/// Any unit vector perpendicular to n.
 inline V across(const V& n) {
     const Real x = std::fabs(n.x), y = std::fabs(n.y), z = std::fabs(n.z);
     const V axis = x <= y && x <= z ? V{1, 0, 0} : (y <= z ? V{0, 1, 0} : V{0, 0, 1});

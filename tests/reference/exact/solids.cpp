@@ -28,7 +28,7 @@ std::vector<Foot> SolidTouch::step(const Solid& s, const V& probe, Real radius) 
     const Real rho = length(flat);
     const auto room = [&](Real size) {
         return std::max(Real(0), size - radius);
-    };  // of a hollow; none: held in its middle
+    };  // of a hollow; 0: the probe is held in the middle
 
     if (s.kind == Solid::Kind::cylinder) {
         const Real wall = rho - s.radius, end = std::fabs(z) - s.half_length;
@@ -52,7 +52,7 @@ std::vector<Foot> SolidTouch::step(const Solid& s, const V& probe, Real radius) 
         return {nearest(foot, radius)};
     }
 
-    // The others are balls about the nearest point of a point, a line or a circle.
+    // The others are the points within a radius of a point, a line or a circle.
     V core;
     Real size = s.radius;
     std::vector<Foot> feet;
@@ -72,9 +72,9 @@ std::vector<Foot> SolidTouch::step(const Solid& s, const V& probe, Real radius) 
     return {ring(s, rho, z, reach, out, axis)};
 }
 
-/// In the plane through the axis and the probe: {outwards, along the axis}. Free is what lies outside of the
-/// disc about (R, 0) and of its mirror image; the nearest free point is the foot on the disc, or where the
-/// two circles meet.
+/// In the plane through the axis and the probe, with coordinates {outwards, along the axis}. Free space is
+/// outside of the disc about (R, 0) and of its mirror image. The nearest free point is the foot on the disc,
+/// or the point where the two circles meet.
 Foot SolidTouch::ring(const Solid& s, Real rho, Real z, Real reach, const V& out, const V& axis) {
     const Real x = rho - s.radius, distance = length({x, z, 0}), limit = reach / 2;
     const V normal = distance > 0 ? (1 / distance) * V{x, z, 0} : V{0, 1, 0};
@@ -84,7 +84,7 @@ Foot SolidTouch::ring(const Solid& s, Real rho, Real z, Real reach, const V& out
     const Real seat = reach > s.radius ? std::sqrt(reach * reach - s.radius * s.radius) : 0;
     const Real above = z < 0 ? -1 : 1;
     if (seat > 0) {
-        if (seat < 1e-3L * reach) doubt = 0;  // it moves by rounding / this share
+        if (seat < 1e-3L * reach) doubt = 0;  // rounding moves it by rounding * reach / seat
         const V at = V{s.radius, 0, 0} + reach * normal;
         seated = length(at + V{s.radius, 0, 0}) < reach;  // in the other disc
     }

@@ -1,6 +1,6 @@
 #pragma once
-// Sphere, capsule, cylinder and torus, solid and hollow, by their distances: as long as the nearest surface
-// counts, and not that by which the probe came in.
+// Sphere, capsule, cylinder and torus, solid and hollow, by their distance functions. Valid as long as the
+// nearest surface determines the contact, and not the one by which the probe came in.
 
 #include <vector>
 
@@ -17,10 +17,10 @@ struct Solid {
 
 class SolidTouch {
   public:
-    /// The tangent planes at once that hold a probe of that radius: the first is the nearest.
+    /// The tangent planes that together hold a probe of that radius; the first is the nearest.
     std::vector<Foot> step(const Solid& solid, const V& probe, Real radius);
-    Real doubt = INFINITY;  // m, by how little the last step's decisions were made
-    bool deep = false;      // the last step came beyond half way to its core, or may have passed there
+    Real doubt = INFINITY;  // m, the smallest margin of the last step's decisions
+    bool deep = false;      // the last step came deeper than half way to the core, or may have on its way
 
   private:
     Foot nearest(const Foot& foot, Real limit);

@@ -15,13 +15,13 @@
 /// until p is back on that side, or its foot has left the piece sideways (p1 -> p3 holds, p2 lets go): the
 /// tip has slipped off, as off the edge of a table, and the force is gone at once.
 ///
-/// Seen first from behind, a piece with one side is not touched. A probe with a radius that slips off, or
-/// that comes from behind, feels nothing until all of it is clear of the piece: so nothing pushes that was
-/// not pushed before, and the force falls to zero at most. Edges are round from all directions.
+/// A one-sided piece that the hand first meets from behind is not touched. A probe with a radius that slips
+/// off, or that comes from behind, feels nothing until all of it is clear of the piece. So no force begins at
+/// depth; when the probe slips off, the force falls to zero. Edges are round from all directions.
 ///
-/// Beside others a piece goes by the path of the proxy, the point that satisfies all that holds the hand,
-/// instead of the hand's (proxy_path.hpp): pressed into one the hand slides on to its neighbour as if both
-/// were one.
+/// Together with other surfaces, a piece follows the path of the proxy (the point that satisfies all surfaces
+/// that hold the hand) instead of the hand's own path (proxy_path.hpp). So a hand that is pressed into one
+/// piece slides on to its neighbour as if both were one.
 
 #include <cstdint>
 #include <string_view>
@@ -39,7 +39,7 @@ enum class Sides : std::uint32_t {
     both = 1,
 };
 
-/// Why a probe that overlaps a piece does not touch it. It will when all of it is clear of the piece.
+/// Why a probe that overlaps a piece does not touch it. It can touch again once all of it has been clear.
 enum class LetGo : std::uint32_t {
     /// It is not let go.
     no = 0,
@@ -51,7 +51,7 @@ enum class LetGo : std::uint32_t {
 
 /// The servo's memory of a piece.
 struct PieceState {
-    /// The probe in the last cycle, or the proxy beside other surfaces, less what the piece has moved on by
+    /// The probe in the last cycle, or the proxy where there are other surfaces, minus the piece's own motion
     /// (m, world axes).
     Vec3 last = {};
     /// How far the surface has moved on since it was placed.

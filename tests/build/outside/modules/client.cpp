@@ -1,4 +1,4 @@
-// No servo: it must be told that there is none.
+// No servo runs, so the program must be told that there is none.
 #include <chrono>
 #include <cstdio>
 
