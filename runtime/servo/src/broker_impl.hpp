@@ -78,73 +78,48 @@ struct Broker::Impl {
     SteadyClock::time_point ending_since{};
     std::vector<bool> asked_to_end;  // per device: drop_all was delivered
 
+    // broker.cpp: who comes and goes
     void watch(int fd, std::uint64_t source);
-
-    void set_offering(Connection& connection, std::uint64_t id, bool offering);
-
+    /// Whatever has happened at this source.
+    void answer(std::uint64_t source);
     /// While all half-open places are taken, further callers wait in the listening queue: none is refused.
     void update_listening();
-
     void accept_one();
-
     /// When descriptors run out, one reserved descriptor serves to refuse a waiting caller with a reason.
     void tell_one_why();
-
     static shm::UniqueFd spare_descriptor();
-
-    /// False: the peer does not read its replies.
-    static bool refuse(const Connection& to, const RequestRefused& why);
-
-    void take_back(std::uint64_t id, Connection::Holding& holding);
-
+    void drop_silent_callers();
     void close(std::uint64_t id);
-
-    /// Handles what one connection has sent. Bytes that are not a valid message end it.
-    void serve(std::uint64_t id);
-
-    /// False: the peer does not read its replies. Throws RequestRefused: the connection ends.
-    bool handle(std::uint64_t id, Connection& connection, const Buffer& buffer, std::size_t bytes);
-
-    bool greet(Connection& connection, const Buffer& buffer, std::size_t bytes);
-
-    /// Only who has said Hello is told, and counted: a socket that is closed with an unread message shows its
-    /// owner a reset in place of our answer.
-    void require_place(const Peer& peer) const;
-
-    std::string is_ending() const;
-
-    bool claim(Connection& connection, const protocol::ClaimRequest& request);
-
-    /// The client has mapped a claim. False: the peer does not read its replies.
-    bool serve_claim(std::uint64_t id, Connection& connection, const protocol::Mapped& mapped);
-
-    void release(std::uint64_t id, Connection& connection, const protocol::Release& release);
-
-    void take_back_unmapped();
-
-    /// The message with the descriptor stays in the socket until the builder takes it. Throws RequestRefused:
-    /// the connection ends, as nobody here may take it.
-    void offer(std::uint64_t id, Connection& connection, const protocol::AssetOffer& message);
-
-    /// The build queue runs another process, or none.
-    void watch_build();
-
-    void forget_quietly(const protocol::AssetForget& message);
-
-    void tell_builders();
-
-    bool record(Connection& connection, const protocol::RecordRequest& request);
-
+    int patience_ms(bool collecting) const;
     void begin_to_end(End why);
-
     /// Is every device at rest, or has its time run out?
     bool at_rest();
 
-    void drop_silent_callers();
-
-    /// Whatever has happened at this source.
-    void answer(std::uint64_t source);
-    int patience_ms(bool collecting) const;
+    // broker_requests.cpp: what they ask. False: the peer does not read its replies. RequestRefused: the
+    // connection ends.
+    /// Handles what one connection has sent. Bytes that are not a valid message end it.
+    void serve(std::uint64_t id);
+    bool handle(std::uint64_t id, Connection& connection, const Buffer& buffer, std::size_t bytes);
+    static bool refuse(const Connection& to, const RequestRefused& why);
+    bool greet(Connection& connection, const Buffer& buffer, std::size_t bytes);
+    /// Only who has said Hello is told, and counted: a socket that is closed with an unread message shows its
+    /// owner a reset in place of our answer.
+    void require_place(const Peer& peer) const;
+    std::string is_ending() const;
+    bool claim(Connection& connection, const protocol::ClaimRequest& request);
+    /// The client has mapped a claim.
+    bool serve_claim(std::uint64_t id, Connection& connection, const protocol::Mapped& mapped);
+    void release(std::uint64_t id, Connection& connection, const protocol::Release& release);
+    void take_back(std::uint64_t id, Connection::Holding& holding);
+    void take_back_unmapped();
+    bool record(Connection& connection, const protocol::RecordRequest& request);
+    /// The message with the descriptor stays in the socket until the builder takes it: nobody here may take it.
+    void offer(std::uint64_t id, Connection& connection, const protocol::AssetOffer& message);
+    void set_offering(Connection& connection, std::uint64_t id, bool offering);
+    /// The build queue runs another process, or none.
+    void watch_build();
+    void tell_builders();
+    void forget_quietly(const protocol::AssetForget& message);
 };
 
 }  // namespace knurl::servo
