@@ -43,7 +43,7 @@ shm::UniqueFd build(int source_fd, std::uint64_t bytes, std::uint64_t budget, As
 
 int build_asset_main(int argc, const char* const* argv) {
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-    be_expendable();
+    leave_protection();
     AssetAnswer answer;
     // Whatever it is, it is closed behind the answer: that may take any time.
     shm::Received offer;

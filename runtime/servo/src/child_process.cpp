@@ -54,10 +54,12 @@ int start_child(const std::string& program, const std::vector<std::string>& argu
                          const_cast<char* const*>(words.data()), environ);
 }
 
-void be_expendable() noexcept {
-    constexpr std::string_view score = "500";  // everybody may raise his own
-    const shm::UniqueFd file(::open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC));
-    if (file && ::write(file.get(), score.data(), score.size()) < 0) return;  // a wish, no more
+void leave_protection() noexcept {
+    const shm::UniqueFd file(::open("/proc/self/oom_score_adj", O_RDWR | O_CLOEXEC));
+    char sign = 0;
+    if (!file || ::pread(file.get(), &sign, 1, 0) != 1 || sign != '-') return;
+    constexpr std::string_view ordinary = "0";                                  // everybody may raise his own
+    if (::pwrite(file.get(), ordinary.data(), ordinary.size(), 0) < 0) return;  // a wish, no more
 }
 
 }  // namespace knurl::servo

@@ -15,8 +15,8 @@ namespace knurl::servo {
 int start_child(const std::string& program, const std::vector<std::string>& arguments,
                 const std::array<int, 2>& standard, int policy, pid_t& child);
 
-/// For such a process, first thing: when memory runs short, the kernel ends it rather than the servo, whose
-/// unit protects all its processes (knurld.service).
-void be_expendable() noexcept;
+/// For such a process, first thing: when memory runs short, its size counts as anybody's. The servo's unit
+/// protects all its processes (knurld.service: OOMScoreAdjust).
+void leave_protection() noexcept;
 
 }  // namespace knurl::servo

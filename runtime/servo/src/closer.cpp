@@ -103,7 +103,7 @@ int close_descriptors_main() {
     // It ends when knurld does. A signal to the whole group must not come first.
     for (const int signal : {SIGINT, SIGTERM, SIGHUP}) ::signal(signal, SIG_IGN);
     ::prctl(PR_SET_NAME, "knurl-closer");
-    be_expendable();
+    leave_protection();
     // Whoever reads what knurld says must see its end, however long this process lives.
     if (const shm::UniqueFd nowhere(::open("/dev/null", O_WRONLY | O_CLOEXEC)); nowhere)
         ::dup2(nowhere.get(), STDERR_FILENO);
