@@ -169,7 +169,9 @@ TEST_P(LoadOfProcesses, TheOneThatTakesMostIsShedAndTheOthersForceStays) {
     (void)claim.replies();
     claim.arm();
     crowd.run(32, period / 10);
-    EXPECT_EQ(answer(claim), RefusalReason::cycle_full);
+    const protocol::Reply refused = claim.replies().back();
+    EXPECT_EQ(static_cast<RefusalReason>(refused.reason), RefusalReason::cycle_full);
+    EXPECT_EQ(refused.against, 0) << "that it was shed";
     claim.add(Plane{});
     crowd.run(32, period / 10);
     EXPECT_EQ(answer(claim), RefusalReason::cycle_full);

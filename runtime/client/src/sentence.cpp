@@ -56,6 +56,9 @@ std::string reason(const protocol::Reply& reply) {
             return detail::format("what led to the fault goes on ({}); mend that first",
                                   fault_names(static_cast<std::uint32_t>(reply.value)));
         case protocol::RefusalReason::cycle_full:
+            if (reply.against == 0)
+                return "the servo has shed this claim, since its cycles took too long; remove at least "
+                       "half of the claim's representations, then call arm()";
             return detail::format(
                 "the servo's cycle takes {:.0f} % of its period, and takes new work up to {:.0f} %; remove "
                 "representations, here or in another application (knurl top shows how many each application "

@@ -24,8 +24,11 @@ bool may_come_back(const Claim::Impl& claim) noexcept {
     return !claim.shed || 2 * claim.scene.size() <= claim.shed_with;
 }
 
-Verdict no_time(double load) noexcept {
-    return {.code = Code::refused, .field = Verdict::no_field, .value = load, .against = LoadWatch::room};
+Verdict no_time(const Claim::Impl& claim, double load) noexcept {
+    return {.code = Code::refused,
+            .field = Verdict::no_field,
+            .value = load,
+            .against = claim.shed ? 0 : LoadWatch::room};
 }
 
 constexpr std::size_t no_such_command = ~std::size_t{0};
@@ -241,7 +244,8 @@ CommandProcessor::Answer CommandProcessor::check(Claim::Impl& claim, const Comma
         }
         case CommandType::arm:
             if (authority.ending) return state(protocol::RefusalReason::disconnected);
-            if (!may_come_back(claim)) return {no_time(authority.load), protocol::RefusalReason::cycle_full};
+            if (!may_come_back(claim))
+                return {no_time(claim, authority.load), protocol::RefusalReason::cycle_full};
             return state(authority.supervisor.may_arm(authority.calibrated, authority.speed, reset));
         case CommandType::disarm:
             return {};
@@ -262,7 +266,8 @@ CommandProcessor::Answer CommandProcessor::check_add(Claim::Impl& claim, const C
     Verdict verdict = check_vacant(body.id, claim.slots);
     if (verdict) verdict = check_added(body.kind, command.params, command.header.bytes, body.options);
     if (!verdict) return {verdict};
-    if (claim.shed || load > LoadWatch::room) return {no_time(load), protocol::RefusalReason::cycle_full};
+    if (claim.shed || load > LoadWatch::room)
+        return {no_time(claim, load), protocol::RefusalReason::cycle_full};
     remember(claim, slot);
     claim.slots[slot] = {.generation = body.id.generation, .kind = body.kind, .present = true};
     return {};

@@ -169,6 +169,14 @@ DeviceConfig read_device(const toml::table& table, const std::string& path) {
     return device;
 }
 
+Idle read_idle(const Reader& read, const toml::node& node) {
+    const std::string value = read.text(node, "idle");
+    if (value == "sleep") return Idle::sleep;
+    if (value == "poll") return Idle::poll;
+    throw ConfigError(
+        fmt::format("{}: idle = \"{}\"; allowed: \"sleep\", \"poll\"", read.at(node), shown(value)));
+}
+
 DaemonConfig read_daemon(const toml::table& table, const std::string& path) {
     const Reader read(path, "");
     DaemonConfig config;
@@ -190,14 +198,9 @@ DaemonConfig read_daemon(const toml::table& table, const std::string& path) {
             config.memory = read.number(node, ranges::memory);
         else if (name == "socket_group")
             config.socket_group = read.text(node, name);
-        else if (name == "idle") {
-            const std::string value = read.text(node, name);
-            if (value != "sleep" && value != "poll") {
-                throw ConfigError(fmt::format("{}: idle = \"{}\"; allowed: \"sleep\", \"poll\"",
-                                              read.at(node), shown(value)));
-            }
-            config.idle = value == "poll" ? Idle::poll : Idle::sleep;
-        } else if (name == "device") {
+        else if (name == "idle")
+            config.idle = read_idle(read, node);
+        else if (name == "device") {
             const toml::array* devices = node.as_array();
             if (devices == nullptr) throw read.wrong_type(node, name, "an array of tables: write [[device]]");
             for (const toml::node& device : *devices) {

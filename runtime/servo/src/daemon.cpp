@@ -366,27 +366,28 @@ int run_daemon(const DaemonConfig& config) {
     // devices.
     const int waker_priority = raised(config.priority, -waker_below_servo);
     // Waking clients of other users may take long with preemption off (WakeTarget::trusted).
-    const Runs far_waker_thread{far_waker, Thread(
-                                               {.name = "knurl-farwaker",
-                                                .priority = waker_priority,
-                                                .cpu = -1,
-                                                .stack_bytes = small_stack_bytes},
-                                               [&far_waker, cpu] {
-                                                   keep_off_cpu(cpu);
-                                                   far_waker.run();
-                                               },
-                                               missing)};
-    const Runs death_watch_thread{deaths, Thread(
-                                              {.name = "knurl-deaths",
-                                               .priority = raised(config.priority, -deaths_below_servo),
-                                               .cpu = -1,
-                                               .stack_bytes = small_stack_bytes},
-                                              [&deaths, cpu] {
-                                                  keep_off_cpu(cpu);
-                                                  deaths.run();
-                                              },
-                                              missing)};
-    const Runs waker_thread{
+    const Runs<shm::Waker> far_waker_thread{far_waker, Thread(
+                                                           {.name = "knurl-farwaker",
+                                                            .priority = waker_priority,
+                                                            .cpu = -1,
+                                                            .stack_bytes = small_stack_bytes},
+                                                           [&far_waker, cpu] {
+                                                               keep_off_cpu(cpu);
+                                                               far_waker.run();
+                                                           },
+                                                           missing)};
+    const Runs<DeathWatch> death_watch_thread{deaths,
+                                              Thread(
+                                                  {.name = "knurl-deaths",
+                                                   .priority = raised(config.priority, -deaths_below_servo),
+                                                   .cpu = -1,
+                                                   .stack_bytes = small_stack_bytes},
+                                                  [&deaths, cpu] {
+                                                      keep_off_cpu(cpu);
+                                                      deaths.run();
+                                                  },
+                                                  missing)};
+    const Runs<shm::Waker> waker_thread{
         waker,
         Thread(
             {.name = "knurl-waker", .priority = waker_priority, .cpu = cpu, .stack_bytes = small_stack_bytes},

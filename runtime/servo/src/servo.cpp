@@ -224,15 +224,20 @@ void Servo::Impl::take_changes(Nanoseconds now) noexcept {
             c.commands_left = true;  // perhaps: it stays awake
             continue;
         }
-        intake.add(command_processor.take_commands(c, authority, intake.share(), now));
-        if (!c.faulted) intake.add(command_processor.take_batch(c, report.cycle, now));
-        if (c.batch_is_new) c.scene.set_fade(fade_for(c));
-        // Scenes from before the first cycle start in full force.
-        if (c.from_the_start) c.scene.settle();
-        settles = settles || c.from_the_start;
-        c.from_the_start = false;
+        take_changes_of(c, authority, intake, now);
         if (load.looks()) taken = charge(c, taken);
     }
+}
+
+void Servo::Impl::take_changes_of(Claim::Impl& c, const Authority& authority, Intake& intake,
+                                  Nanoseconds now) noexcept {
+    intake.add(command_processor.take_commands(c, authority, intake.share(), now));
+    if (!c.faulted) intake.add(command_processor.take_batch(c, report.cycle, now));
+    if (c.batch_is_new) c.scene.set_fade(fade_for(c));
+    // Scenes from before the first cycle start in full force.
+    if (c.from_the_start) c.scene.settle();
+    settles = settles || c.from_the_start;
+    c.from_the_start = false;
 }
 
 Wrench Servo::Impl::evaluate_claims(Nanoseconds now, double dt) noexcept {

@@ -53,6 +53,8 @@ struct Servo::Impl {
     void read_device(Nanoseconds now) noexcept;
     void take_mail(Nanoseconds now) noexcept;
     void take_changes(Nanoseconds now) noexcept;
+    void take_changes_of(Claim::Impl& claim, const Authority& authority, Intake& intake,
+                         Nanoseconds now) noexcept;
     Wrench evaluate_claims(Nanoseconds now, double dt) noexcept;
     Supervised supervise(const Wrench& sum, double dt) noexcept;
     void notify_device() noexcept;

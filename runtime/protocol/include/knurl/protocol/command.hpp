@@ -133,7 +133,8 @@ enum class RefusalReason : std::uint32_t {
     forbidden,
     /// The cause of the fault goes on: end it first; value: the mask of what goes on.
     cause_persists,
-    /// The cycle has no time left for it; value: what it takes already, as a share of the period.
+    /// The cycle has no time left for it; value: what it takes already, as a share of the period; against: up to
+    /// what it takes more, 0 for a claim that was shed.
     cycle_full,
 };
 
