@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 
 #include <knurl/commandline/command.hpp>
+#include <knurl/commandline/program.hpp>
 #include <knurl/words/nearest.hpp>
 
 namespace knurl::commandline {
@@ -292,7 +293,7 @@ Command::Answer Command::parse(int argc, const char* const* argv) {
         std::printf("%s\n", version.what());
         return Answer::nothing;
     } catch (const CLI::Success&) {
-        std::printf("%s", impl_->app->help().c_str());
+        print(impl_->app->help());
         return Answer::nothing;
     } catch (const CLI::ParseError& error) {
         const Impl& chosen = impl_->chosen();

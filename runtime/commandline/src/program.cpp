@@ -44,6 +44,11 @@ int reason_of(const std::exception& error) {
 
 OutputError::OutputError(int why) : std::runtime_error(output_text(why)), reason(why) {}
 
+void print(const std::string& text) {
+    errno = 0;
+    if (std::fputs(text.c_str(), stdout) == EOF) throw OutputError(errno);
+}
+
 void flush_output() {
     if (const int reason = output_problem()) throw OutputError(reason);
 }

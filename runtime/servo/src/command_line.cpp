@@ -127,7 +127,7 @@ int knurld_main(int argc, const char* const* argv) {
                                         const CommandLine line = parse_command_line(argc, argv);
                                         if (line.answered) return 0;
                                         if (!line.check_only) return run_daemon(line.config);
-                                        std::printf("%s", plan_of(line.config).c_str());
+                                        commandline::print(plan_of(line.config));
                                         return 0;
                                     } catch (const ConfigError& error) {
                                         throw commandline::UsageError(error.what());

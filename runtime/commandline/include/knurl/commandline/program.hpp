@@ -27,6 +27,9 @@ class OutputError : public std::runtime_error {
     const int reason;
 };
 
+/// Prints a text. Throws OutputError: one that is longer than a buffer may fail here, where the reason is known,
+/// and not at the end.
+void print(const std::string& text);
 /// Writes out what was printed. Throws OutputError. For programs that print until they are stopped.
 void flush_output();
 
