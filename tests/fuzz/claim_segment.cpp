@@ -124,7 +124,7 @@ class Application {
         };
         if (type == CommandType::add) {
             auto body = values.next<protocol::AddBody>();
-            body.kind %= Representations::size;
+            body.kind %= static_cast<Kind>(Representations::size);
             body.id.slot %= capacity.representations;
             put(body);
             params = kinds()[body.kind].size;

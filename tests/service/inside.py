@@ -13,7 +13,9 @@ import time
 
 HERE = "/root/unit"
 ACTIVE, FORCE = "4", ("3", "4", "5")  # DeviceState: active; with ramp_up and ramp_down
-KVM = subprocess.run(["systemd-detect-virt"], capture_output=True, text=True).stdout.strip() == "kvm"
+VIRTUALIZATION = subprocess.run(["systemctl", "show", "--property=Virtualization", "--value"], capture_output=True,
+                                text=True).stdout.strip()
+KVM = VIRTUALIZATION == "kvm"
 KILLS = 10
 passed = failed = 0
 
@@ -408,7 +410,7 @@ def exposure():
 
 def main():
     print(read("/etc/debian_version").strip(), os.uname().release, run("systemctl", "--version").stdout.splitlines()[0],
-          run("systemd-detect-virt").stdout.strip(), f"{os.cpu_count()} CPUs", flush=True)
+          VIRTUALIZATION, f"{os.cpu_count()} CPUs", flush=True)
     set_up()
     starts()
     hand = Hand("near")
