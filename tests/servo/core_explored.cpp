@@ -63,6 +63,13 @@ enum class Wrong {
     deaf_device
 };
 
+/// Names it in the list of tests.
+void PrintTo(Wrong wrong, std::ostream* out) {
+    constexpr std::array words{"nothing",   "deaths_lost", "releases_lost",  "still_lost",
+                               "acts_lost", "reset_arms",  "arms_by_itself", "deaf_device"};
+    *out << words[static_cast<std::size_t>(wrong)];
+}
+
 struct Client {
     OfflineMemory memory;
     OfflineClaim claim;
