@@ -212,8 +212,16 @@ TEST_F(OnAServo, TakesLetsGoPutsBackAndEndsByKeys) {
     ASSERT_TRUE(program.shows("nothing within reach")) << program.shown;
     mouse_.up(-5);
     ASSERT_TRUE(eventually([&] { return newest().position.z < -0.008; }));
-    program.type(' ');
-    ASSERT_TRUE(program.shows("holds the cube")) << program.shown;
+    // On a busy machine the program may know the hand of some frames ago.
+    constexpr int tries_to_take = 20;
+    bool held = false;
+    for (int i = 0; i < tries_to_take && !held; ++i) {
+        program.shown.clear();
+        program.type(' ');
+        ASSERT_TRUE(program.shows_one_of({"holds the cube", "nothing within reach"})) << program.shown;
+        held = program.shown.find("holds the cube") != std::string::npos;
+    }
+    ASSERT_TRUE(held) << program.shown;
     program.type(' ');
     ASSERT_TRUE(program.shows("lets go of the cube")) << program.shown;
     program.shown.clear();

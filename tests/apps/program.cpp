@@ -1,5 +1,6 @@
 #include "program.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
@@ -138,7 +139,12 @@ void OnTerminal::type(char key) {
 }
 
 bool OnTerminal::shows(const std::string& text) {
-    while (shown.find(text) == std::string::npos)
+    return shows_one_of({text});
+}
+
+bool OnTerminal::shows_one_of(const std::vector<std::string>& texts) {
+    while (std::none_of(texts.begin(), texts.end(),
+                        [&](const std::string& text) { return shown.find(text) != std::string::npos; }))
         if (!read()) return false;
     return true;
 }

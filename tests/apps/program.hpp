@@ -70,6 +70,7 @@ class OnTerminal {
     pid_t pid() const { return pid_; }
     void type(char key);
     bool shows(const std::string& text);
+    bool shows_one_of(const std::vector<std::string>& texts);
     /// Reads its output up to its end; returns its exit code.
     int end();
     std::string shown;
