@@ -71,6 +71,23 @@ TEST(Keys, one_leaves_the_others_as_many_sessions_as_it_takes) {
     EXPECT_TRUE(carl.claim().next_report(10s));
 }
 
+TEST(Keys, one_leaves_the_others_as_many_observers_of_a_device_as_it_has) {
+    Locked locked;
+    std::vector<Client> olgas;
+    std::vector<Observer> observers;
+    const Error error = refusal([&] {
+        for (;;) {
+            if (observers.size() % 16 == 0) olgas.push_back(connect_to(locked.bridge, locked.observe));
+            observers.push_back(olgas.back().observe());
+        }
+    });
+    says(error.what(), "key 'olga' observes this device 28 times and leaves 27 of the bridge's 55");
+    Client rita = connect_to(locked.bridge, locked.render);
+    EXPECT_TRUE(rita.observe().next_report(10s));
+    Client carl = connect_to(locked.bridge, locked.control);
+    EXPECT_TRUE(carl.claim().next_report(10s));
+}
+
 TEST(Roles, observe_reads_and_claims_nothing) {
     Locked locked;
     Client client = connect_to(locked.bridge, locked.observe);

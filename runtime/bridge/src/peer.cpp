@@ -248,6 +248,26 @@ std::optional<std::string> Peer::forbidden(const protocol::ClaimRequest& request
     return std::nullopt;
 }
 
+std::size_t Peer::observers(std::uint32_t device) const noexcept {
+    return static_cast<std::size_t>(std::count_if(streams_.begin(), streams_.end(), [&](const auto& stream) {
+        return stream && stream->device() == device &&
+               stream->attachment().terms.capacity.representations == 0;
+    }));
+}
+
+/// One of a process's observers of a device is the bridge's own (ReportNotifier).
+void Peer::require_share(const protocol::ClaimRequest& request, const PeerContext& context) const {
+    if (!key_ || request.observe != protocol::observe_only) return;
+    const auto [by_key, all] = context.observers_of(key_->name, request.device);
+    const std::size_t most = protocol::max_observers_of_process - 1, left = most > all ? most - all : 0;
+    if (by_key >= left)
+        throw Error(
+            Error::Kind::refused,
+            detail::format("key '{}' observes this device {} times and leaves {} of the bridge's {}, and "
+                           "nobody may hold more than he leaves; end one",
+                           key_->name, by_key, left, most));
+}
+
 bool Peer::attach(std::span<const std::byte> payload, PeerContext& context) {
     Attach message;
     if (!take(payload, message)) return fail("an attach that is none");
@@ -271,6 +291,7 @@ bool Peer::attach(std::span<const std::byte> payload, PeerContext& context) {
             throw Error(
                 Error::Kind::bad_parameters,
                 detail::format("report_rate = {:g} Hz; give 0 (every report) to 1e6", message.report_rate));
+        require_share(message.request, context);
         if (const auto reason = forbidden(message.request)) throw Error(Error::Kind::permission, *reason);
         message.request.delay_allowance = delay_allowance;
         const auto id = static_cast<std::uint32_t>(free - streams_.begin() + 1);

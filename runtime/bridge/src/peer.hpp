@@ -27,6 +27,11 @@ struct PeerContext {
     std::size_t sessions = 0;  // at present
     /// Those of them that came with the key of this name.
     std::function<std::size_t(std::string_view)> sessions_of = {};
+    /// Observers of a device: by that key, and all.
+    struct Observers {
+        std::size_t by_key = 0, all = 0;
+    };
+    std::function<Observers(std::string_view, std::uint32_t)> observers_of = {};
 };
 
 class GreetErrand;
@@ -55,6 +60,7 @@ class Peer {
     /// is.
     bool holds_one_of(std::span<const Key> keys) const noexcept;
     bool admitted() const noexcept { return key_.has_value(); }
+    std::size_t observers(std::uint32_t device) const noexcept;
     bool has_key(std::string_view name) const noexcept { return key_ && key_->name == name; }
     std::int64_t heard_ns() const noexcept { return heard_ns_; }
     void heard(std::int64_t now) noexcept { heard_ns_ = now; }
@@ -83,6 +89,7 @@ class Peer {
     bool take_frame(const Frame& frame, PeerContext& context);
     bool greet(std::span<const std::byte> payload, PeerContext& context);
     bool welcome(GreetErrand& errand, PeerContext& context);
+    void require_share(const protocol::ClaimRequest& request, const PeerContext& context) const;
     bool attach(std::span<const std::byte> payload, PeerContext& context);
     bool attached(AttachErrand& errand, std::uint32_t id, double report_rate, PeerContext& context);
     void release(std::uint32_t stream, PeerContext& context) noexcept;

@@ -78,6 +78,16 @@ Relay::Relay(RelayOptions options)
                 return place.peer && place.peer->identified() && place.peer->has_key(key);
             }));
     };
+    context_.observers_of = [this](std::string_view key, std::uint32_t device) {
+        PeerContext::Observers observers;
+        for (const Place& place : places_) {
+            if (!place.peer) continue;
+            const std::size_t held = place.peer->observers(device);
+            observers.all += held;
+            if (place.peer->has_key(key)) observers.by_key += held;
+        }
+        return observers;
+    };
     if (!epoll_) throw std::runtime_error(detail::format("epoll: {}", std::strerror(errno)));
     if (!options_.keys.empty()) tls_ = TlsContext::server(options_.keys);
     watch(listening_.datagrams.get(), EPOLLIN, source(Source::datagrams), EPOLL_CTL_ADD);

@@ -12,6 +12,10 @@ namespace knurl::protocol {
 
 /// Most claims and observers of one device together.
 inline constexpr std::uint32_t max_clients = 128;
+/// Of these, those that observers leave free: whoever claims the device finds one.
+inline constexpr std::uint32_t rows_for_claims = 16;
+/// Most observers of one device by one process: nobody holds more than it leaves free.
+inline constexpr std::uint32_t max_observers_of_process = (max_clients - rows_for_claims) / 2;
 /// Most claims and observers of one connection.
 inline constexpr std::uint32_t max_claims_of_connection = 16;
 /// Most devices of one servo process.
