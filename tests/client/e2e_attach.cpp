@@ -65,7 +65,7 @@ TEST(Attach, one_process_leaves_others_as_many_places_as_it_takes) {
         for (;;) one_more();
     });
     EXPECT_EQ(error.kind, Error::Kind::refused);
-    says(error.what(), "of 320, and nobody may hold more than that");
+    says(error.what(), "and nobody may hold more than he leaves, of its 320 connections");
     const pid_t other = ::fork();
     ASSERT_GE(other, 0);
     if (other == 0) {

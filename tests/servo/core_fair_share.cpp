@@ -18,7 +18,7 @@ struct Crowd {
     bool take(const Peer& peer) {
         Share held;
         for (const Peer& holder : holders) held.count(holder, peer);
-        if (!may_take(held, peer, places - holders.size())) return false;
+        if (takes_too_much(held, peer, places - holders.size())) return false;
         holders.push_back(peer);
         return true;
     }

@@ -275,7 +275,9 @@ TEST(Attach, OneProcessLeavesOthersAsManyRowsAsItTakesAndTheDeviceToItsClaims) {
         }
     }
     EXPECT_EQ(observers, (protocol::max_clients - 16) / 2) << "16 rows are for claims";
-    EXPECT_TRUE(contains(last, "holds 56 of its 128 places and leaves 56")) << last;
+    EXPECT_TRUE(
+        contains(last, "holds 56 and leaves 56, and nobody may hold more than he leaves, of its 128 places"))
+        << last;
     EXPECT_TRUE(clients.front()->claim({}).claimed || clients.back()->claim({}).claimed);
     clients.clear();
     RawClient next(home);

@@ -302,14 +302,9 @@ void Broker::Impl::require_place(const Peer& peer) const {
         throw RequestRefused::no_place(
             fmt::format("servo \"{}\" has {} connections, which is all it takes; end one", options.servo_name,
                         broker_bounds::connections));
-    if (may_take(held, peer, left)) return;
-    const bool process = held.by_process >= left;
-    throw RequestRefused::no_place(fmt::format(
-        "{} {} holds {} connections of servo \"{}\" and leaves {} of {}, and nobody may hold "
-        "more than that; end one",
-        process ? "process" : "user",
-        process ? static_cast<std::uint64_t>(peer.pid) : std::uint64_t{peer.uid},
-        process ? held.by_process : held.by_user, options.servo_name, left, broker_bounds::connections));
+    if (const auto who = takes_too_much(held, peer, left))
+        throw RequestRefused::no_place(fmt::format("servo \"{}\": {} of its {} connections; end one",
+                                                   options.servo_name, *who, broker_bounds::connections));
 }
 
 std::string Broker::Impl::is_ending() const {

@@ -30,6 +30,7 @@ std::uint64_t ClaimTable::expect_asset(std::uint64_t key, std::uint32_t number, 
         throw RequestRefused(fmt::format("asset: no claim of device \"{}\" has that key", device_.name));
     if (number < 1 || number > max_assets)
         throw RequestRefused(fmt::format("asset: number {}; give 1 to {}", number, max_assets));
+    if (row->assets.empty()) row->assets.resize(max_assets);
     const RowAsset& place = row->assets[number - 1];
     if (place.stage == RowAsset::Stage::building)
         throw RequestRefused(
@@ -49,6 +50,7 @@ std::uint64_t ClaimTable::expect_asset(std::uint64_t key, std::uint32_t number, 
 
 void ClaimTable::expect_no_asset(std::uint64_t key, std::uint32_t number) noexcept {
     Row* row = row_of_key(key);
+    // There is a place: it is expected.
     if (row != nullptr && row->assets[number - 1].stage == RowAsset::Stage::building)
         row->assets[number - 1] = {};
 }
@@ -76,7 +78,7 @@ void ClaimTable::forget_asset(std::uint64_t key, std::uint32_t number) {
     Row* row = row_of_key(key);
     if (row == nullptr)
         throw RequestRefused(fmt::format("asset: no claim of device \"{}\" has that key", device_.name));
-    if (number < 1 || number > max_assets || row->assets[number - 1].stage != RowAsset::Stage::there)
+    if (number < 1 || number > row->assets.size() || row->assets[number - 1].stage != RowAsset::Stage::there)
         throw RequestRefused(fmt::format("asset: the claim has none of number {}", number));
     if (!device_.servo.forget(row->claim.get(), number))
         throw RequestRefused(fmt::format("asset: the servo of \"{}\" is busy; try again", device_.name));

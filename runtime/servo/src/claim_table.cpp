@@ -99,31 +99,25 @@ void ClaimTable::require_share_of(const protocol::ClaimRequest& request, const P
         else
             held.count(row.peer, peer);
     }
-    const std::size_t reserved =
-        request.observe == protocol::observe_only ? claim_bounds::rows_for_claims : 0;
+    const std::size_t reserved = request.observe == protocol::observe_only ? protocol::rows_for_claims : 0;
     const std::size_t left = free > reserved ? free - reserved : 0;
     if (left == 0)
         throw RequestRefused(fmt::format(
             "device \"{}\" has {} clients, which is all it takes{}; end one of them", device_.name,
             protocol::max_clients - free, reserved > 0 ? " but for those that claim it" : ""));
-    if (may_take(held, peer, left)) return;
-    throw RequestRefused(fmt::format(
-        "device \"{}\": {} {} holds {} of its {} places and leaves {}, and nobody may hold more than that; "
-        "end one of them",
-        device_.name, held.by_process >= left ? "process" : "user",
-        held.by_process >= left ? static_cast<std::uint64_t>(peer.pid) : std::uint64_t{peer.uid},
-        held.by_process >= left ? held.by_process : held.by_user, protocol::max_clients, left));
+    if (const auto who = takes_too_much(held, peer, left))
+        throw RequestRefused(fmt::format("device \"{}\": {} of its {} places; end one of them", device_.name,
+                                         *who, protocol::max_clients));
 }
 
 std::uint64_t ClaimTable::require_memory(const char* what, std::uint64_t bytes) const {
     constexpr double mib = 1 << 20;
     if (bytes <= memory_.left()) return memory_.left();
-    throw RequestRefused(
-        fmt::format("{} takes {:.1f} MiB, and of the {:.0f} MiB that clients of this servo may take {:.1f} "
-                    "are left; free "
-                    "some, or raise memory in the servo's configuration",
-                    what, static_cast<double>(bytes) / mib, static_cast<double>(memory_.total()) / mib,
-                    static_cast<double>(memory_.left()) / mib));
+    throw RequestRefused(fmt::format(
+        "{} takes {:.1f} MiB, and of the {:.0f} MiB that clients of this servo may take {:.1f} are "
+        "left; free some, or raise memory in the servo's configuration",
+        what, static_cast<double>(bytes) / mib, static_cast<double>(memory_.total()) / mib,
+        static_cast<double>(memory_.left()) / mib));
 }
 
 Grant ClaimTable::grant(const protocol::ClaimRequest& request, const Peer& peer) {

@@ -81,6 +81,7 @@ void DeathWatch::died(std::uint64_t connection) noexcept {
     const auto found = connections_.find(connection);
     if (found == connections_.end()) return;
     found->second.dead = true;
+    // A full mailbox takes no more: then the claim fades when the broker drops it.
     for (const Held& held : found->second.held) held.servo->abandon(held.claim);
 }
 

@@ -3,7 +3,11 @@
 // So one alone gets half of them, the next one half of the rest, and nobody finds all places taken.
 
 #include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
 
+#include <fmt/format.h>
 #include <sys/types.h>
 #include <unistd.h>
 
@@ -27,9 +31,14 @@ inline bool trusted(const Peer& peer) noexcept {
     return peer.uid == 0 || peer.uid == ::geteuid();
 }
 
-/// May this peer take one of `left` places?
-inline bool may_take(const Share& held, const Peer& peer, std::size_t left) noexcept {
-    return held.by_process < left && (trusted(peer) || held.by_user < left);
+/// Whether this peer may take one of `left` places. None: it may; else who holds how much, for a refusal.
+inline std::optional<std::string> takes_too_much(const Share& held, const Peer& peer, std::size_t left) {
+    const bool process = held.by_process >= left;
+    if (!process && (trusted(peer) || held.by_user < left)) return std::nullopt;
+    return fmt::format("{} {} holds {} and leaves {}, and nobody may hold more than he leaves,",
+                       process ? "process" : "user",
+                       process ? std::int64_t{peer.pid} : std::int64_t{peer.uid},
+                       process ? held.by_process : held.by_user, left);
 }
 
 }  // namespace knurl::servo

@@ -51,11 +51,6 @@ struct Peer {
     std::string name;
 };
 
-namespace claim_bounds {
-/// Rows of a device that observers leave free: whoever claims it finds one.
-inline constexpr std::size_t rows_for_claims = 16;
-}  // namespace claim_bounds
-
 /// A request is refused: one line for the client, what, where, what to do.
 class RequestRefused : public std::runtime_error {
   public:
@@ -143,7 +138,7 @@ class ClaimTable {
     };
     struct RowAsset {
         enum class Stage : std::uint8_t { none, building, there, leaving } stage = Stage::none;
-        std::unique_ptr<HeldAsset> held;  // of its own: there are 64 places in each of 128 rows
+        std::unique_ptr<HeldAsset> held;
     };
     struct Row {
         MemoryShare memory;
@@ -155,7 +150,7 @@ class ClaimTable {
         shm::Segment segment;
         shm::UniqueFd wake_fd;  // our end of its pair of sockets
         std::uint64_t key = 0;
-        std::array<RowAsset, max_assets> assets;  // outlive the claim, which refers to them
+        std::vector<RowAsset> assets;  // by number less 1, empty before the first; outlive the claim
         std::unique_ptr<Claim> claim;
     };
 

@@ -6,8 +6,7 @@
 /// toml++ 3.3 asserts, or goes on into undefined behaviour, on a table header that begins with no name
 /// (`[[` and a NUL, `[=]`), on `}` where an array wants a value, on a date whose time begins with no digit, and
 /// on characters beyond ASCII outside quotes and comments, or in what it does not take for quotes (`1"x"`,
-/// `1["x"`). So
-/// what no TOML may contain is refused here, before it.
+/// `1["x"`). So what no TOML may contain is refused here, before toml++ reads it.
 
 #include <algorithm>
 #include <cstddef>
