@@ -21,8 +21,8 @@ namespace knurl::bridge {
 namespace {
 
 constexpr std::int64_t accept_pause_ns = 100'000'000;  // after the process has run out of descriptors
-constexpr int most_calls = 64;    // per round
-constexpr int most_heard = 8;     // callers whose hello is read per round, which takes longer
+constexpr int most_calls = 64;                         // per round
+constexpr int most_heard = 8;  // callers whose hello is read per round, which takes longer
 constexpr std::int64_t give_way_ns = 500'000'000;
 
 }  // namespace
