@@ -4,7 +4,6 @@
 #include <cstdio>
 #include <cstring>
 #include <ctime>
-#include <filesystem>
 #include <memory>
 #include <set>
 #include <stdexcept>
@@ -12,7 +11,6 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <grp.h>
 #include <sys/resource.h>
 #include <sys/signalfd.h>
 #include <sys/stat.h>
@@ -30,7 +28,8 @@
 #include <knurl/servo/realtime.hpp>
 #include <knurl/servo/servo.hpp>
 #include <knurl/shm/counters.hpp>
-#include <knurl/shm/socket.hpp>
+
+#include "door.hpp"
 
 namespace knurl::servo {
 
@@ -68,55 +67,6 @@ void raise_descriptor_limit() {
     limit.rlim_cur = std::max(limit.rlim_cur, std::min<rlim_t>(limit.rlim_max, 8192));
     setrlimit(RLIMIT_NOFILE, &limit);
 }
-
-/// The listening socket and its name in the file system, which lives as long as this object.
-class Door {
-  public:
-    Door(const std::string& servo_name, const std::string& group, Closer& closer)
-        : path_(protocol::socket_path(servo_name)), closer_(closer) {
-        const std::filesystem::path directory = std::filesystem::path(path_).parent_path();
-        std::error_code failed;
-        if (std::filesystem::create_directories(directory, failed)) {
-            using std::filesystem::perms;  // the mode of the socket itself says who may connect
-            std::filesystem::permissions(directory,
-                                         perms::owner_all | perms::group_read | perms::group_exec |
-                                             perms::others_read | perms::others_exec,
-                                         failed);
-        }
-        if (failed) {
-            throw std::runtime_error(
-                fmt::format("{}: cannot make this directory for the socket ({}); set "
-                            "KNURL_RUNTIME_DIR to one of yours",
-                            directory.string(), failed.message()));
-        }
-        socket_ = shm::listen_at(path_, 0660, broker_bounds::listen_backlog);
-        if (group.empty()) return;
-        const ::group* found = getgrnam(group.c_str());
-        if (found == nullptr || chown(path_.c_str(), static_cast<uid_t>(-1), found->gr_gid) != 0) {
-            const std::string why = found == nullptr
-                                        ? "no such group; make it: sudo groupadd " + group
-                                        : std::string(std::strerror(errno)) + "; be a member of it";
-            unlink(path_.c_str());
-            throw ConfigError(fmt::format("socket_group = \"{}\": {}", group, why));
-        }
-    }
-    // The socket listens until its name is removed. A successor that starts in between finds a live socket.
-    // Else it would take the socket for a dead one, and this unlink would remove the successor's.
-    ~Door() {
-        unlink(path_.c_str());
-        closer_.close(std::move(socket_));  // callers that were not answered may have sent descriptors
-    }
-    Door(const Door&) = delete;
-    Door& operator=(const Door&) = delete;
-
-    const std::string& path() const { return path_; }
-    shm::UniqueFd& socket() { return socket_; }
-
-  private:
-    std::string path_;
-    Closer& closer_;
-    shm::UniqueFd socket_;
-};
 
 /// 0: this process runs without real-time priority.
 int raised(int priority, int by) {
