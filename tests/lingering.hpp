@@ -6,6 +6,8 @@
 #include <cstring>
 #include <stdexcept>
 #include <string>
+#include <thread>
+#include <utility>
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
@@ -46,11 +48,15 @@ class Lingering {
     Lingering& operator=(const Lingering&) = delete;
 
     int fd() const { return lingers_.get(); }
-    /// From now on others alone hold it. The caller knows that somebody does: else this is the last close.
-    void let_go() { lingers_.reset(); }
+    /// From now on others alone hold it. Where they have closed it already, this close is the last one and
+    /// takes as long: so a thread makes it.
+    void let_go() {
+        closing_ = std::jthread([last = std::move(lingers_)]() mutable { last.reset(); });
+    }
 
   private:
     shm::UniqueFd other_end_, lingers_;
+    std::jthread closing_;
 };
 
 }  // namespace knurl::test
