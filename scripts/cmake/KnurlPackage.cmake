@@ -1,4 +1,7 @@
-# `cpack` in a build folder makes three packages of Debian's, under /usr:
+# `cpack` in a build folder makes six packages of Debian's, under /usr:
+#   libknurl0          the client for C and what calls C
+#   libknurl-offline0  the servo's cycle in a process of one's own, likewise
+#   python3-knurl      the same for Python
 #   libknurl-dev   headers, static libraries, find_package and pkg-config, examples
 #   knurl-server   knurld, knurl-bridge, their units, the udev rules, user and group, arms
 #   knurl-tools    knurl, and the demonstration programs with the scripts that draw what they measured
@@ -13,11 +16,11 @@ set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_COMPONENTS_GROUPING IGNORE)
-set(CPACK_COMPONENTS_ALL libknurl-dev knurl-server knurl-tools)
+set(CPACK_COMPONENTS_ALL libknurl-dev libknurl0 libknurl-offline0 python3-knurl knurl-server knurl-tools)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
-foreach(package LIBKNURL-DEV KNURL-SERVER KNURL-TOOLS)
+foreach(package LIBKNURL-DEV LIBKNURL0 LIBKNURL-OFFLINE0 PYTHON3-KNURL KNURL-SERVER KNURL-TOOLS)
     string(TOLOWER ${package} CPACK_DEBIAN_${package}_PACKAGE_NAME)
     set(CPACK_DEBIAN_${package}_PACKAGE_SECTION science)
     # All was one package once.
@@ -35,6 +38,7 @@ foreach(module IN LISTS knurl_package_modules)
     endforeach()
 endforeach()
 list(REMOVE_DUPLICATES knurl_depends)
+list(APPEND knurl_depends "libknurl0 (= ${PROJECT_VERSION})" "libknurl-offline0 (= ${PROJECT_VERSION})")
 list(JOIN knurl_depends ", " CPACK_DEBIAN_LIBKNURL-DEV_PACKAGE_DEPENDS)
 set(CPACK_DEBIAN_LIBKNURL-DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_LIBKNURL-DEV_PACKAGE_SUGGESTS "cmake, g++ (>= 4:12), knurl-server (= ${PROJECT_VERSION}), pkg-config")
@@ -43,8 +47,44 @@ Knurl owns force-feedback devices and runs their loops at 1 kHz or more;
 applications describe what the hand should feel and read where it is, through
 shared memory.
 
-This package has the library that an application links (C++20), and those that
-the server is made of.")
+This package has the library that an application links (C++20), those that the
+server is made of, and the headers of the libraries for C.")
+
+foreach(package LIBKNURL0 LIBKNURL-OFFLINE0)
+    set(CPACK_DEBIAN_${package}_PACKAGE_SECTION libs)
+    # Its one script calls ldconfig, as a trigger.
+    file(WRITE ${PROJECT_BINARY_DIR}/deb/triggers "activate-noawait ldconfig\n")
+    set(CPACK_DEBIAN_${package}_PACKAGE_CONTROL_EXTRA ${PROJECT_BINARY_DIR}/deb/triggers)
+endforeach()
+set(CPACK_DEBIAN_LIBKNURL0_PACKAGE_SUGGESTS knurl-server)
+set(CPACK_DEBIAN_LIBKNURL0_DESCRIPTION "haptics server for Linux - client library for C
+Knurl owns force-feedback devices and runs their loops at 1 kHz or more;
+applications describe what the hand should feel and read where it is, through
+shared memory.
+
+This package has the library by which programs in C, and in languages that call
+C, do so.")
+set(CPACK_DEBIAN_LIBKNURL-OFFLINE0_DESCRIPTION "haptics server for Linux - the loop without a server
+Knurl owns force-feedback devices and runs their loops at 1 kHz or more;
+applications describe what the hand should feel and read where it is, through
+shared memory.
+
+This package has the loop as a library on a virtual clock, for tests, plots and
+programs that learn.")
+
+set(CPACK_DEBIAN_PYTHON3-KNURL_PACKAGE_SECTION python)
+set(CPACK_DEBIAN_PYTHON3-KNURL_PACKAGE_ARCHITECTURE all)
+set(CPACK_DEBIAN_PYTHON3-KNURL_PACKAGE_SHLIBDEPS OFF)
+set(CPACK_DEBIAN_PYTHON3-KNURL_PACKAGE_DEPENDS
+    "libknurl0 (= ${PROJECT_VERSION}), python3 (>= 3.9), python3-numpy")
+set(CPACK_DEBIAN_PYTHON3-KNURL_PACKAGE_RECOMMENDS "knurl-server (= ${PROJECT_VERSION}), libknurl-offline0 (= ${PROJECT_VERSION})")
+set(CPACK_DEBIAN_PYTHON3-KNURL_PACKAGE_SUGGESTS "python3-matplotlib, python3-pil")
+set(CPACK_DEBIAN_PYTHON3-KNURL_DESCRIPTION "haptics server for Linux - Python
+Knurl owns force-feedback devices and runs their loops at 1 kHz or more;
+applications describe what the hand should feel and read where it is, through
+shared memory.
+
+This package has the module knurl, by which Python programs do so.")
 
 set(CPACK_DEBIAN_KNURL-SERVER_PACKAGE_DEPENDS passwd)
 set(CPACK_DEBIAN_KNURL-SERVER_PACKAGE_SUGGESTS knurl-tools)

@@ -75,6 +75,20 @@ TEST(Silence, CommandsThatWaitBehindUnreadRepliesAreNoSignOfLife) {
     EXPECT_LT(held.cycles_until_fading(), 300);
 }
 
+TEST(Silence, SignsOfLifeKeepTheForceAndAreNoCommits) {
+    Held held;
+    held.commit_every(50, 40);
+    const double before = held.force();
+    for (int i = 0; i < 100; ++i) {  // 20 s without a commit
+        held.claim->keep_alive();
+        run(held.servo, 200);
+        held.claim->replies();
+        ASSERT_EQ(held.force(), before) << i;
+    }
+    // Had they counted as commits, the interval would be 200 ms by now, and the limit 600.
+    EXPECT_NEAR(held.cycles_until_fading() + 200, 250, 5);
+}
+
 TEST(Silence, OfAFastApplicationItIsAQuarterOfASecond) {
     Held held;
     held.commit_every(50, 40);

@@ -88,7 +88,7 @@ void ClaimState::remove(RepresentationId id) {
                             .body = bytes_of(protocol::RemoveBody{one})});
         table_.set_leaving(one, true);
     }
-    if (depth_ == 0)
+    if (groups_.empty())
         issue(commands);
     else
         for (Command& command : commands) issue(std::move(command));
@@ -107,27 +107,61 @@ void ClaimState::ask(CommandType type) {
     if (channel() == nullptr) throw_disconnected();
     issue({.type = type});
     arm_asked_ = arm_asked_ || type == CommandType::arm;
-    if (depth_ == 0) wait_for_answer(issued_, type, lock);
+    if (groups_.empty()) wait_for_answer(issued_, type, lock);
+}
+
+void ClaimState::keep_alive() {
+    const Lock lock = enter();
+    silent_.restart();
+    ClaimChannel* const open = channel();
+    if (open == nullptr) return;
+    drain_replies(*open);
+    // Alone, though a group may be open: this may be another thread than the one that makes the group. A full
+    // channel has commands in it, which say the same.
+    const Command command{.type = CommandType::alive};
+    try {
+        push({&command, 1}, *open);
+    } catch (const Error& error) {
+        if (error.kind != Error::Kind::channel_full) throw;
+    }
 }
 
 void ClaimState::together(const std::function<void()>& changes) {
-    std::size_t start = 0;
-    {
-        const Lock lock = enter();
-        ++depth_;
-        start = group_.size();
-    }
+    begin_group();
     try {
         changes();
     } catch (...) {
-        require_own(made_in_);
-        const Lock lock(mutex_);
-        --depth_;
-        take_back(start);
+        cancel_group();
         throw;
     }
+    end_group();
+}
+
+void ClaimState::begin_group() {
+    const Lock lock = enter();
+    groups_.push_back(group_.size());
+}
+
+void ClaimState::cancel_group() {
+    require_own(made_in_);
+    const Lock lock(mutex_);
+    require_group();
+    take_back(groups_.back());
+    groups_.pop_back();
+}
+
+void ClaimState::require_group() const {
+    if (groups_.empty())
+        throw Error(
+            Error::Kind::refused,
+            detail::format("device '{}': no group is open; begin_group() comes first", device_name()));
+}
+
+void ClaimState::end_group() {
     Lock lock = enter();
-    if (--depth_ > 0 || group_.empty()) return;
+    require_group();
+    groups_.pop_back();
+    if (!groups_.empty() || group_.empty()) return;
     std::vector<Command> group;
     group.swap(group_);
     const std::uint64_t first = issued_ + 1;
@@ -137,7 +171,7 @@ void ClaimState::together(const std::function<void()>& changes) {
 }
 
 void ClaimState::issue(Command command) {
-    if (depth_ > 0)
+    if (!groups_.empty())
         group_.push_back(std::move(command));
     else
         issue(std::span<const Command>(&command, 1));
@@ -236,6 +270,7 @@ void ClaimState::apply(const Command& command, bool may_be_refused) {
         case CommandType::arm:
         case CommandType::disarm:
         case CommandType::reset_fault:
+        case CommandType::alive:
             break;
     }
 }
@@ -335,6 +370,8 @@ std::string ClaimState::about(CommandType type, Kind kind) const {
             return detail::format("cannot disarm device '{}'", device_name());
         case CommandType::reset_fault:
             return detail::format("cannot reset device '{}'", device_name());
+        case CommandType::alive:
+            return detail::format("device '{}': keeping the claim alive", device_name());
     }
     return detail::format("device '{}'", device_name());
 }

@@ -5,6 +5,7 @@
 
 #include <knurl/client/error.hpp>
 #include <knurl/link/clock.hpp>
+#include <knurl/link/text.hpp>
 #include <knurl/reps/all.hpp>
 
 #include "claim_state.hpp"
@@ -38,6 +39,9 @@ double rim_of(const Cap& cap) {
 }  // namespace
 
 Followed ClaimState::follow(RepresentationId id, Kind kind, const SurfaceModel& model) {
+    if (kind != kind_of<Cap> && kind != kind_of<Plane>)
+        throw Error(Error::Kind::bad_parameters,
+                    detail::format("{}: only a plane or a cap follows a surface", kinds()[kind].name));
     return kind == kind_of<Cap> ? follow_with<Cap>(id, model) : follow_with<Plane>(id, model);
 }
 

@@ -51,14 +51,19 @@ void ClaimState::set(RepresentationId id, Kind kind, const void* params, std::si
     if (last_) note_basis(last_->cycle);
 }
 
-void ClaimState::get(RepresentationId id, void* params, std::size_t bytes) {
+void ClaimState::get(RepresentationId id, Kind kind, std::span<std::byte> params) {
     const Lock lock = enter();
-    std::memcpy(params, entry(id).params.data(), bytes);
+    const Entry& found = entry(id);
+    if (params.size() != found.params.size())
+        throw Error(Error::Kind::bad_parameters,
+                    detail::format("{}: room for {} bytes of parameters, which are {}", kinds()[kind].name,
+                                   params.size(), found.params.size()));
+    std::memcpy(params.data(), found.params.data(), params.size());
 }
 
 std::uint64_t ClaimState::commit() {
     const Lock lock = enter();
-    if (depth_ > 0)
+    if (!groups_.empty())
         throw Error(Error::Kind::refused,
                     "commit() inside together(): the group's commands are not sent yet; commit after it");
     const std::int64_t now = monotonic_ns();

@@ -28,10 +28,14 @@ class ClaimState final : public Reader {
     RepresentationId add(Kind kind, const void* params, std::size_t bytes, const AddOptions& options);
     void remove(RepresentationId id);
     void set(RepresentationId id, Kind kind, const void* params, std::size_t bytes);
-    void get(RepresentationId id, void* params, std::size_t bytes);
+    void get(RepresentationId id, Kind kind, std::span<std::byte> params);
     Followed follow(RepresentationId id, Kind kind, const SurfaceModel& model);
     void place_probe(std::uint32_t probe, const ProbePlacement& placement);
     void together(const std::function<void()>& changes);
+    void begin_group();
+    void end_group();
+    void cancel_group();
+    void keep_alive();
     /// arm, disarm, reset_fault: sends the command and waits for the answer.
     void ask(protocol::CommandType type);
 
@@ -89,6 +93,7 @@ class ClaimState final : public Reader {
     void push(std::span<const Command> commands, ClaimChannel& channel);  // all or none
     void push_patiently(const Command& command, Attachment& attachment);
     void apply(const Command& command, bool may_be_refused);  // it was sent: updates the claim's tables
+    void require_group() const;                               // throws Error: none is open
     void take_back(std::size_t from);                         // undoes the open group's commands from that
                                                               // one on
     void take_back(const Command& command);
@@ -118,7 +123,7 @@ class ClaimState final : public Reader {
     std::vector<std::uint32_t> brought_;         // to a restarted servo
     Limits limits_;
 
-    int depth_ = 0;  // nesting of together()
+    std::vector<std::size_t> groups_;  // that are open, one within the other: where each begins in `group_`
     std::vector<Command> group_;
 
     // For the present channel.

@@ -63,6 +63,9 @@ std::optional<HandReport> Observer::next_report(std::chrono::nanoseconds timeout
 std::optional<HandFrame> Observer::newest(std::chrono::nanoseconds timeout) {
     return reader_->newest(timeout);
 }
+std::size_t Observer::drain(std::span<HandReport> out) {
+    return reader_->drain(out);
+}
 int Observer::fd() {
     return reader_->fd();
 }
@@ -105,6 +108,21 @@ RepresentationId Claim::add_raw(Kind kind, const void* params, std::size_t bytes
 }
 void Claim::together(const std::function<void()>& changes) {
     state_->together(changes);
+}
+void Claim::begin_group() {
+    state_->begin_group();
+}
+void Claim::end_group() {
+    state_->end_group();
+}
+void Claim::cancel_group() {
+    state_->cancel_group();
+}
+AnyHandle Claim::add_bytes(Kind kind, std::span<const std::byte> params, const AddOptions& options) {
+    return {state_, add_raw(kind, params.data(), params.size(), options), kind};
+}
+void Claim::keep_alive() {
+    state_->keep_alive();
 }
 void Claim::place_probe(std::uint32_t probe, const ProbePlacement& placement) {
     state_->place_probe(probe, placement);
@@ -171,13 +189,13 @@ std::optional<HandFeedback> AnyHandle::feedback() const {
 std::optional<double> AnyHandle::applied_stiffness() const {
     return state_->applied_stiffness(id_);
 }
-void AnyHandle::set_raw(const void* params, std::size_t bytes) {
-    state_->set(id_, kind_, params, bytes);
+void AnyHandle::set_bytes(std::span<const std::byte> params) {
+    state_->set(id_, kind_, params.data(), params.size());
 }
-void AnyHandle::get_raw(void* params, std::size_t bytes) const {
-    state_->get(id_, params, bytes);
+void AnyHandle::get_bytes(std::span<std::byte> params) const {
+    state_->get(id_, kind_, params);
 }
-Followed AnyHandle::follow_raw(const SurfaceModel& model) {
+Followed AnyHandle::follow_model(const SurfaceModel& model) {
     return state_->follow(id_, kind_, model);
 }
 

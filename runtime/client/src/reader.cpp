@@ -111,6 +111,24 @@ std::optional<HandFrame> Reader::newest(nanoseconds timeout) {
     return frame;
 }
 
+std::size_t Reader::drain(std::span<HandReport> out) {
+    const Lock lock = enter();
+    if (!attachment_) {
+        notify_loop(false);
+        return 0;
+    }
+    std::size_t count = 0;
+    for (Report report; count < out.size() && attachment_->reports->next(report); ++count) {
+        since_.add(report);
+        static_cast<Report&>(out[count]) = to_world(attachment_->terms.frame, report);
+        fill(out[count]);
+    }
+    settle(lock, false);
+    if (count > 0) last_ = out[count - 1];
+    if (count > 0 && hints()) on_read();
+    return count;
+}
+
 std::optional<Report> Reader::await(Lock& lock, nanoseconds timeout) {
     const auto deadline = shm::deadline_after(timeout);
     bool waited = false;

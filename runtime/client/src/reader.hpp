@@ -6,6 +6,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 
 #include <knurl/client/client.hpp>
@@ -34,6 +35,7 @@ class Reader {
     std::optional<HandReport> latest();
     std::optional<HandReport> next_report(std::chrono::nanoseconds timeout);
     std::optional<HandFrame> newest(std::chrono::nanoseconds timeout);
+    std::size_t drain(std::span<HandReport> out);
     int fd();
     std::uint64_t missed();
     DeviceDescription description();

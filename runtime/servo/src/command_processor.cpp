@@ -44,6 +44,7 @@ constexpr std::size_t body_bytes(CommandType type) noexcept {
         case CommandType::arm:
         case CommandType::disarm:
         case CommandType::reset_fault:
+        case CommandType::alive:
             return 0;
     }
     return no_such_command;
@@ -248,6 +249,7 @@ CommandProcessor::Answer CommandProcessor::check(Claim::Impl& claim, const Comma
                 return {no_time(claim, authority.load), protocol::RefusalReason::cycle_full};
             return state(authority.supervisor.may_arm(authority.calibrated, authority.speed, reset));
         case CommandType::disarm:
+        case CommandType::alive:
             return {};
         case CommandType::reset_fault:
             if (reset) return state(protocol::RefusalReason::not_in_fault);
@@ -314,6 +316,8 @@ void CommandProcessor::do_command(Claim::Impl& claim, const Command& command, co
             break;
         case CommandType::reset_fault:
             answer.reason = authority.supervisor.reset_fault(authority.speed, authority.trouble);
+            break;
+        case CommandType::alive:  // as every command is: take_commands
             break;
     }
     // All commands were checked, so they succeed. If the scene refuses one nevertheless, its owner learns it.

@@ -67,6 +67,9 @@ struct Field {
     std::uint32_t least = 0;
     /// True: it describes a change, not the thing; the next change does not inherit it.
     bool of_change = false;
+    /// 0: as long as the kind; else a row that came later: the higher, the later. In the structs of the C
+    /// library, which may only grow at their ends, it stands behind all rows with less.
+    std::uint32_t since = 0;
 
     /// How many doubles stand at `offset`; the types that hold none have a std::uint32_t there.
     constexpr std::size_t reals() const noexcept {

@@ -29,6 +29,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -152,6 +153,7 @@ class ClientState;  // one connection
 class Reader;       // reports of one device
 }  // namespace detail
 
+class AnyHandle;
 /// A handle on a representation of type R.
 template <Described R>
 class Handle;
@@ -173,6 +175,9 @@ class Observer {
     /// program that calls it less often than reports come falls behind, by up to 4095 reports, before any is
     /// missed (HandReport::unread). None: no report came in time, or not connected.
     std::optional<HandReport> next_report(std::chrono::nanoseconds timeout);
+    /// For a program that wants every report, but seldom: those that were not read, in order, as many as
+    /// `out` has room for. Does not wait. Returns how many.
+    std::size_t drain(std::span<HandReport> out);
     /// A descriptor for poll, epoll or any loop: readable while a report is there that was not read, and once
     /// when the servo has gone. It stays the same also across a restart of the servo. It belongs to the
     /// library: do not close it.
@@ -219,6 +224,18 @@ class Claim : public Observer {
     /// All commands issued inside `changes` take effect in one cycle, or none does. If `changes` throws,
     /// nothing is sent. Do not call commit() inside.
     void together(const std::function<void()>& changes);
+    /// As together(), for languages without functions to give: commands from here on are one group, until
+    /// end_group() sends it or cancel_group() forgets it. Groups may lie within others; the outermost is
+    /// sent.
+    void begin_group();
+    /// Sends the group: all of its commands take effect in one cycle, or none does. Waits and throws as the
+    /// commands in it.
+    void end_group();
+    /// Forgets the group.
+    void cancel_group();
+
+    /// Adds a representation of a kind that is known at run time alone: its parameters, KindInfo::size bytes.
+    AnyHandle add_bytes(Kind kind, std::span<const std::byte> params, const AddOptions& options = {});
 
     /// Places a probe (0 to 15) on the hand. Initially all probes are at the tip, with radius 0. Throws
     /// Error.
@@ -258,6 +275,11 @@ class Claim : public Observer {
     /// command or a batch since the last call (once for each). The library checks before it sends, so this
     /// means that the two disagree.
     std::uint64_t commit();
+    /// Renews the claim without a commit: uncommitted changes stay uncommitted, and the interval between
+    /// commits is measured as if nothing had been sent. For a thread beside the one that commits, which may
+    /// stand still for long and shall not be taken for dead. May be called from any thread while another one
+    /// uses the claim.
+    void keep_alive();
 
     /// The device's limits in world units: what stiffness is clamped to.
     Limits limits() const;
@@ -287,18 +309,20 @@ class AnyHandle {
     std::optional<double> applied_stiffness() const;
     /// Slot and generation of the representation.
     RepresentationId id() const { return id_; }
+    /// Kind of the representation.
+    Kind kind() const { return kind_; }
+    /// As Handle::set; `params`: KindInfo::size bytes.
+    void set_bytes(std::span<const std::byte> params);
+    /// As Handle::params; `params`: KindInfo::size bytes.
+    void get_bytes(std::span<std::byte> params) const;
+    /// As Handle::follow. Throws Error, too, where it is no plane and no cap.
+    Followed follow_model(const SurfaceModel& model);
 
   protected:
+    friend class Claim;
     /// For Handle.
     AnyHandle(std::shared_ptr<detail::ClaimState> state, RepresentationId id, Kind kind)
         : state_(std::move(state)), id_(id), kind_(kind) {}
-    /// As Handle::set.
-    void set_raw(const void* params, std::size_t bytes);
-    /// As Handle::params.
-    void get_raw(void* params, std::size_t bytes) const;
-    /// As Handle::follow.
-    Followed follow_raw(const SurfaceModel& model);
-
     /// The claim.
     std::shared_ptr<detail::ClaimState> state_;
     /// As id().
@@ -317,11 +341,11 @@ class Handle : public AnyHandle {
 
     /// New parameters, sent with the next commit. Throws Error for parameters out of range, and changes
     /// nothing then.
-    void set(const R& params) { set_raw(&params, sizeof params); }
+    void set(const R& params) { set_bytes(std::as_bytes(std::span(&params, 1))); }
     /// The parameters as they were set last.
     R params() const {
         R r;
-        get_raw(&r, sizeof r);
+        get_bytes(std::as_writable_bytes(std::span(&r, 1)));
         return r;
     }
     /// Evaluates `model` where the hand will be when this update takes effect, checks the answer (an
@@ -333,7 +357,7 @@ class Handle : public AnyHandle {
     /// the sum of all. Setting or removing this one removes them. The result says how it went; no face: there
     /// is no report yet. Throws Error.
     Followed follow(const SurfaceModel& model) requires(std::same_as<R, Plane> || std::same_as<R, Cap>) {
-        return follow_raw(model);
+        return follow_model(model);
     }
 };
 

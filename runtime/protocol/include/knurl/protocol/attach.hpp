@@ -36,7 +36,7 @@ namespace knurl::protocol {
 /// First word of every message.
 inline constexpr std::uint32_t attach_magic = 0x4b6e7572;
 /// Version of the handshake.
-inline constexpr std::uint32_t protocol_version = 1;
+inline constexpr std::uint32_t protocol_version = 2;
 
 /// Types of messages; the struct of the same name says what is in it.
 enum class MessageType : std::uint32_t {

@@ -27,6 +27,8 @@ enum class CommandType : std::uint32_t {
     disarm = 5,
     /// Leaves a fault: idle without force, until a claim arms anew; no body.
     reset_fault = 6,
+    /// The application is alive, though it does not commit; no body.
+    alive = 7,
 };
 
 namespace command_flags {

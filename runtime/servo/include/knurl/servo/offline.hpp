@@ -68,6 +68,8 @@ class OfflineClaim {
     void disarm() { state_command(protocol::CommandType::disarm); }
     /// Leaves a fault. Throws as add does.
     void reset_fault() { state_command(protocol::CommandType::reset_fault); }
+    /// Renews the claim without a commit. Throws as add does.
+    void keep_alive() { state_command(protocol::CommandType::alive); }
     /// The following commands are one group.
     void begin_group() { in_group_ = true; }
     /// Pushes the group. Throws std::runtime_error when the ring is full.
