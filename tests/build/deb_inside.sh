@@ -9,7 +9,7 @@ install() { apt-get install -y -qq --no-install-recommends "$@" >/tmp/apt.log 2>
 
 echo "== install: libknurl-dev and a compiler, as the README says"
 apt-get update -qq
-install "$packages"/libknurl-dev_*.deb g++ cmake make pkg-config
+install "$packages"/libknurl-dev_*.deb "$packages"/libknurl0_*.deb "$packages"/libknurl-offline0_*.deb g++ cmake make pkg-config
 
 echo "== the README's program, by CMake and by pkg-config, with what apt brought"
 work="$(mktemp -d)"
@@ -30,7 +30,7 @@ install "$packages"/knurl-server_*.deb "$packages"/knurl-tools_*.deb
 for user in knurl knurl-bridge; do getent passwd "$user" >/dev/null || fail "there is no user $user"; done
 id --name --groups knurl-bridge | grep -qw haptics || fail "the bridge may not reach the servo's socket"
 getent group haptics >/dev/null || fail "there is no group haptics"
-for package in libknurl-dev knurl-server knurl-tools; do
+for package in libknurl-dev libknurl0 libknurl-offline0 knurl-server knurl-tools; do
     grep -q 'Boost Software License' "/usr/share/doc/$package/copyright" || fail "$package comes without its licence"
 done
 
@@ -40,6 +40,24 @@ knurld --device right=sim:premium15 >"$work/servo" 2>&1 &
 servo=$!
 "$work/build/my_simulation" | tee "$work/felt"
 grep -qE 'mm, [0-9.]*[1-9][0-9]* N' "$work/felt" || { cat "$work/servo"; fail "the README's program felt nothing"; }
+
+echo "== the README's C and Python, with what apt brought"
+awk '/^```c$/ { inside = 1; next } /^```/ { inside = 0 } inside' runtime/capi/README.md >"$work/wall.c"
+gcc -std=c11 "$work/wall.c" -o "$work/wall" $(pkg-config --cflags --libs knurl-c)
+"$work/wall" | grep -E 'mm, [0-9.]+ N' || fail "the wall from C felt nothing"
+install "$packages"/python3-knurl_*.deb
+python3 -c '
+import itertools, knurl
+with knurl.connect() as client, client.claim() as hand:
+    hand.add(knurl.Plane(normal=(0, 0, 1), offset=0.005, stiffness=800))
+    hand.arm()
+    felt = max(report.sent_force[2] for report in itertools.islice(hand.reports(rate=60), 120))
+print(f"{felt:.2f} N from Python")
+assert felt > 0.1
+with knurl.Offline() as servo:
+    servo.add(knurl.Plane(stiffness=800))
+    assert abs(servo.step((0, 0, -1e-3)).force[2] - 0.8) < 1e-9
+' || fail "the wall from Python felt nothing"
 knurl ls | tee "$work/listed"
 grep -q 'knurl:default' "$work/listed" || fail "knurl ls does not show the servo"
 kill $servo
@@ -67,7 +85,7 @@ grep -q '^try-restart knurld.service knurl-bridge.service$' /tmp/systemctl || fa
 
 echo "== remove: stopped, no link to what is gone, the configuration stays"
 : >/tmp/systemctl
-apt-get remove -y -qq knurl-server knurl-tools libknurl-dev >/tmp/apt.log 2>&1 || { cat /tmp/apt.log; fail "apt-get remove failed"; }
+apt-get remove -y -qq knurl-server knurl-tools libknurl-dev python3-knurl libknurl0 libknurl-offline0 >/tmp/apt.log 2>&1 || { cat /tmp/apt.log; fail "apt-get remove failed"; }
 cat /tmp/systemctl
 grep -q '^stop knurl-bridge.service knurld.service$' /tmp/systemctl || fail "a removal does not stop the services"
 [[ ! -L /etc/systemd/system/multi-user.target.wants/knurld.service ]] || fail "a removal leaves the service enabled"

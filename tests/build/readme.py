@@ -24,7 +24,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 TAKERS = Path(__file__).resolve().parent / "readme"
 HEAD = "runtime/client/include/knurl/client/client.hpp"
-NOT_OURS = {"cd", "mkdir", "export", "cmake", "cpack", "apt", "systemctl", "gmx", "npm", "ctest", "git", "cp", "install", "chown", "g++",
+NOT_OURS = {"cd", "mkdir", "export", "cmake", "cpack", "apt", "systemctl", "gmx", "npm", "ctest", "git", "cp", "install", "chown", "g++", "python3",
             "head", "ls", "setcap", "cpupower", "usermod"}
 
 

@@ -1,6 +1,6 @@
 #include <algorithm>
+#include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
 #include <limits>
 #include <string>
@@ -15,9 +15,8 @@ namespace {
 constexpr std::size_t besides = sizeof(HeightField) + sizeof(HeightData);  // bytes besides the block
 
 std::string length(double m) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%g", m);
-    return text;
+    char text[32];  // with a point in every locale, which printf's has not
+    return {text, std::to_chars(text, text + sizeof text, m, std::chars_format::general, 6).ptr};
 }
 
 void check(std::span<const float> heights, const HeightGrid& grid, std::size_t budget) {

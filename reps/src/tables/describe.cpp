@@ -1,5 +1,5 @@
+#include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <span>
 
 #include <knurl/reps/check.hpp>
@@ -9,9 +9,8 @@ namespace knurl {
 namespace {
 
 std::string number(double value) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.15g", value);
-    return text;
+    char text[32];  // with a point in every locale, which printf's has not
+    return {text, std::to_chars(text, text + sizeof text, value, std::chars_format::general, 15).ptr};
 }
 
 std::string with_unit(double value, std::string_view unit) {

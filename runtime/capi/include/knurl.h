@@ -28,8 +28,8 @@
 ///
 /// Codes. Every function returns a knurl_code: KNURL_OK (0); KNURL_NOTHING (1) where nothing was there in
 /// time; below 0 an error, of which knurl_error() has one line. A call that fails changes nothing. No
-/// function throws, aborts, prints (but the hints of knurl_connect_options) or changes a signal, the locale
-/// or the mode of the floating-point unit.
+/// function throws, aborts, prints (but hints where knurl_connect_options asks for them), or changes a
+/// signal, the locale or the mode of the floating-point unit.
 ///
 /// Handles are numbers in the guise of pointers. They are looked up in each call, so one that was closed, is
 /// of another type or was never given is refused with KNURL_BAD_HANDLE. Handles that were made before a fork
@@ -158,8 +158,8 @@ typedef struct knurl_connect_options {
     int64_t wait_ns;
     /// 1 (default): after a restart of the servo, attach and add everything again.
     uint32_t reattach;
-    /// 1 (default): print a line on standard error, once each, where a program forgets to arm or to commit,
-    /// or reads fewer reports than come.
+    /// 1: print a line on standard error, once each, where a program forgets to arm or to commit, or reads
+    /// fewer reports than come. 0 by default: this library prints nothing unless it is told to.
     uint32_t hints;
     /// Of a servo on another host: largest rate of reports (Hz); 0: every report.
     double report_rate;
@@ -514,7 +514,8 @@ KNURL_API int knurl_disarm(knurl_hand* hand);
 /// Leaves a fault: the device is idle then, without force, until knurl_arm.
 KNURL_API int knurl_reset_fault(knurl_hand* hand);
 /// Sends all changes since the last commit as one batch, which takes effect in one cycle, and renews the
-/// claim. `number`: of the batch; may be NULL.
+/// claim. `number`: of the batch; may be NULL. KNURL_REFUSED is about something that was sent before: this
+/// batch was sent.
 KNURL_API int knurl_commit(knurl_hand* hand, uint64_t* number);
 /// Waits until the batch `number` (0: the newest committed) has taken effect. KNURL_NOTHING: not in that time.
 KNURL_API int knurl_wait_applied(knurl_hand* hand, uint64_t number, int64_t timeout_ns);

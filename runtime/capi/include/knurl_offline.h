@@ -55,7 +55,8 @@ typedef struct knurl_pose {
     uint32_t buttons;
 } knurl_pose;
 /// At the origin, not turned, velocity to be measured.
-#define KNURL_POSE_INIT {{0, 0, 0}, {1, 0, 0, 0}, {0, 0, 0}, {0, 0, 0}, 0, 0}
+#define KNURL_POSE_INIT \
+    { {0, 0, 0}, {1, 0, 0, 0}, {0, 0, 0}, {0, 0, 0}, 0, 0 }
 
 /// One cycle.
 typedef struct knurl_cycle {

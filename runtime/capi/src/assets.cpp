@@ -15,9 +15,6 @@ void SendingObject::close() noexcept {
 
 namespace {
 
-/// Of a wait that another thread may end by closing the handle.
-constexpr std::chrono::milliseconds slice{20};
-
 int begin(knurl_hand* hand, knurl_sending** out, auto&& start) noexcept {
     return with<HandObject>(hand, [&](HandObject& it) -> int {
         require_pointer(out, "the sending's address");
@@ -72,14 +69,14 @@ int knurl_begin_sending_heights(knurl_hand* hand, const knurl_heights* heights, 
 }
 
 int knurl_sending_done(knurl_sending* sending, int64_t wait_ns, knurl_sent* out) {
-    const auto until = std::chrono::steady_clock::now() +
-                       std::min(time_of(wait_ns), std::chrono::nanoseconds(std::chrono::hours(24 * 365)));
+    const auto until = std::chrono::steady_clock::now() + std::min(time_of(wait_ns), longest_wait);
     const int code = with<SendingObject>(sending, [&](SendingObject& it) -> int {
         require_room(out, "knurl_sent");
         for (;;) {
             const auto left = until - std::chrono::steady_clock::now();
             const std::lock_guard lock(it.mutex);
-            if (!it.sending)
+            // Who closes it waits for the lock, which is not fair.
+            if (!it.sending || it.closed)
                 throw Failed(KNURL_BAD_HANDLE, "the sending was closed by another thread meanwhile");
             const std::chrono::nanoseconds wait = std::clamp<std::chrono::nanoseconds>(left, {}, slice);
             if (const std::optional<SentShape> sent = it.sending->done(wait)) {

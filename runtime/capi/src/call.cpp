@@ -38,6 +38,9 @@ int failed(int code, const void* handle, const char* text, std::int32_t holder) 
         if (found == all.of.end())
             found = all.of.begin() + static_cast<std::ptrdiff_t>((all.newest + 1) % all.of.size());
         *found = {.handle = handle, .text = text};
+        // One line, also where it repeats a text of the caller's that is none.
+        std::ranges::replace_if(
+            found->text, [](unsigned char c) { return c < 0x20 || c == 0x7f; }, ' ');
         all.newest = static_cast<std::size_t>(found - all.of.begin());
         all.holder = holder;
     } catch (const std::exception&) {  // no memory for the line: the code alone
@@ -70,14 +73,19 @@ void require_pointer(const void* pointer, const char* what) {
         throw Failed(KNURL_BAD_ARGUMENT, std::string(what) + " is NULL; give its address");
 }
 
+void require_size(std::uint64_t size, std::size_t least, const char* what) {
+    // No struct of this library will ever be so long; a size that was not set is often so. All of them have
+    // the alignment of a double.
+    constexpr std::uint64_t longest = 1 << 16;
+    if (size < least || size > longest || size % alignof(double) != 0)
+        throw Failed(KNURL_BAD_ARGUMENT, std::string(what) + ": its size is " + std::to_string(size) +
+                                             "; set it to sizeof, " + std::to_string(least) + " or more");
+}
+
 void require_size(const void* given, std::size_t least, std::size_t known, const char* what) {
     std::uint64_t size = 0;
     std::memcpy(&size, given, sizeof size);
-    // No struct of this library will ever be so long; a size that was not set is often so.
-    constexpr std::uint64_t longest = 1 << 16;
-    if (size < least || size > longest)
-        throw Failed(KNURL_BAD_ARGUMENT, std::string(what) + ": its size is " + std::to_string(size) +
-                                             "; set it to sizeof, " + std::to_string(least) + " or more");
+    require_size(size, least, what);
     const auto* bytes = static_cast<const std::byte*>(given);
     if (size > known &&
         std::any_of(bytes + known, bytes + size, [](std::byte byte) { return byte != std::byte{0}; }))

@@ -59,6 +59,8 @@ int call(const void* handle, Body&& body) noexcept {
 
 /// Throws Failed.
 void require_pointer(const void* pointer, const char* what);
+/// A size that a struct of this library may have. Throws Failed.
+void require_size(std::uint64_t size, std::size_t least, const char* what);
 /// Checks the size that a struct of the caller's begins with: at least `least`; what is beyond `known` is 0.
 /// Throws Failed.
 void require_size(const void* given, std::size_t least, std::size_t known, const char* what);

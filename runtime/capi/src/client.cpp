@@ -49,7 +49,8 @@ int32_t knurl_holder(void) {
 }
 
 uint64_t knurl_layout(void) {
-    return protocol::wire_hash();
+    static const std::uint64_t of_this_build = protocol::wire_hash();
+    return of_this_build;
 }
 
 int knurl_close(void* handle) {
@@ -68,7 +69,7 @@ void knurl_default_connect_options(knurl_connect_options* options) {
                 .name = nullptr,
                 .wait_ns = std::chrono::nanoseconds(usual.wait).count(),
                 .reattach = usual.reattach ? 1u : 0u,
-                .hints = usual.hints ? 1u : 0u,
+                .hints = 0,
                 .report_rate = usual.report_rate,
                 .key_file = nullptr};
 }
@@ -90,14 +91,14 @@ int knurl_connect(const char* address, const knurl_connect_options* options, knu
         knurl_connect_options defaults;
         knurl_default_connect_options(&defaults);
         const knurl_connect_options given = read_struct(options, defaults, "knurl_connect_options");
-        Client client = Client::connect(
-            text_or(address, "knurl:default"),
-            {.name = text_or(given.name, ""),
-             .wait = std::chrono::duration_cast<std::chrono::milliseconds>(time_of(given.wait_ns)),
-             .reattach = given.reattach != 0,
-             .hints = given.hints != 0,
-             .report_rate = given.report_rate,
-             .key_file = text_or(given.key_file, "")});
+        Client client = Client::connect(text_or(address, "knurl:default"),
+                                        {.name = text_or(given.name, ""),
+                                         .wait = std::chrono::duration_cast<std::chrono::milliseconds>(
+                                             std::min(time_of(given.wait_ns), longest_wait)),
+                                         .reattach = given.reattach != 0,
+                                         .hints = given.hints != 0,
+                                         .report_rate = given.report_rate,
+                                         .key_file = text_or(given.key_file, "")});
         give(out, std::make_shared<ClientObject>(std::move(client)), nullptr);
         return KNURL_OK;
     });

@@ -14,8 +14,7 @@ HandObject::HandObject(Observer observer) : Object(its_type), observer_(std::mov
 
 void HandObject::close() noexcept {
     grace_ns = -1;
-    // Of an observer, destroying it ends its place at the servo; a call that waits holds it until its time.
-    if (claim_) call(nullptr, [&]() -> int { return claim_->release(), KNURL_OK; });
+    call(nullptr, [&]() -> int { return reader().release(), KNURL_OK; });
 }
 
 Claim& HandObject::claim() {

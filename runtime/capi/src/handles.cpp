@@ -60,6 +60,8 @@ std::uint64_t fork_byte() {
 
 void* Handles::add(std::shared_ptr<Object> object) {
     const std::lock_guard lock(mutex_);
+    // Else it would outlive the parent that another thread has closed since.
+    if (object->parent != nullptr && at(object->parent) == nullptr) refuse(object->parent);
     if (free_.empty()) {
         if (places_.size() + 1 >= std::size_t{1} << place_bits) throw std::bad_alloc();
         free_.reserve(places_.size() + 1);  // so that take() never allocates

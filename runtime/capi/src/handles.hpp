@@ -40,7 +40,7 @@ struct Object {
 
 class Handles {
   public:
-    /// Gives it a handle. Throws std::bad_alloc.
+    /// Gives it a handle. Throws Failed where its parent was closed meanwhile, std::bad_alloc.
     void* add(std::shared_ptr<Object> object);
     /// Throws Failed: no such handle, or of another type.
     std::shared_ptr<Object> find(const void* handle, Type type);

@@ -53,10 +53,7 @@ int knurl_default(uint32_t kind, void* params, uint64_t size) {
     return call(nullptr, [&]() -> int {
         const Layout& layout = layout_of(kind);
         require_pointer(params, "knurl_default: params");
-        if (size < layout.first_size)
-            throw Failed(KNURL_BAD_ARGUMENT, "knurl_default: " + std::to_string(size) + " bytes for a " +
-                                                 std::string(kinds()[kind].name) + ", which has " +
-                                                 std::to_string(layout.first_size));
+        require_size(size, layout.first_size, ("parameters of a " + std::string(kinds()[kind].name)).c_str());
         std::memset(params, 0, size);
         std::memcpy(params, &size, sizeof size);
         layout.write(layout.defaults, params);

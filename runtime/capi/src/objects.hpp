@@ -51,6 +51,10 @@ struct SendingObject final : Object {
 /// Renews the claim of this hand, as its grace says, from now on.
 void keep_alive_from_now_on(const std::shared_ptr<HandObject>& hand);
 
+/// Of a wait that another thread may end by closing the handle.
+inline constexpr std::chrono::nanoseconds slice = std::chrono::milliseconds(20);
+/// As good as for ever, and the clock can add it to the present.
+inline constexpr std::chrono::nanoseconds longest_wait = std::chrono::hours(24 * 365);
 inline std::chrono::nanoseconds time_of(std::int64_t ns) {
     return std::chrono::nanoseconds(ns < 0 ? 0 : ns);
 }

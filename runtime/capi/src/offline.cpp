@@ -7,6 +7,7 @@
 #include <sys/mman.h>
 
 #include <knurl/drivers/registry.hpp>
+#include <knurl/reps/all.hpp>
 #include <knurl/reps/check.hpp>
 #include <knurl/reps/describe.hpp>
 #include <knurl/servo/asset_build.hpp>
@@ -71,6 +72,7 @@ struct OfflineObject final : Object {
   private:
     Slot& named(knurl_id id);
     void require_room_for(std::size_t cells);
+    void require_asset(std::uint32_t kind, std::span<const std::byte> params) const;
     void check_answers();
     void clear_replies();
 
@@ -107,16 +109,17 @@ OfflineObject::OfflineObject(std::string address, const knurl_offline_options& o
 }
 
 void OfflineObject::begin() {
-    servo_.reset();
-    if (address_.empty()) {
-        probe_.emplace(1 / options_.rate);
-    } else {
+    std::unique_ptr<drivers::Device> fresh;  // before anything of the old one goes
+    if (!address_.empty()) {
         try {
-            device_ = drivers::open_device(address_);
+            fresh = drivers::open_device(address_);
         } catch (const std::exception& error) {
             throw Failed(KNURL_NO_SUCH_DEVICE, error.what());
         }
     }
+    servo_.reset();
+    device_ = std::move(fresh);
+    if (address_.empty()) probe_.emplace(1 / options_.rate);
     drivers::Device& device = probe_ ? static_cast<drivers::Device&>(*probe_) : *device_;
     servo::ServoOptions options = servo::offline_options(options_.rate);
     options.supervisor.off = probe_.has_value();
@@ -126,7 +129,9 @@ void OfflineObject::begin() {
                                 .batch_bytes = protocol::batch_bytes_for(options_.representations)});
     for (std::uint32_t i = 0; i < assets_.size(); ++i)
         servo_->servo().give(&claim_->servo_side(), i + 1, assets_[i].get());
-    slots_.assign(options_.representations, {});
+    // Generations go on, so that a name from before stays stale.
+    slots_.resize(options_.representations);
+    for (Slot& slot : slots_) slot.present = false;
     free_.clear();
     for (std::uint32_t slot = options_.representations; slot-- > 0;) free_.push_back(slot);
     probe0_ = {};
@@ -144,6 +149,18 @@ void OfflineObject::require_room_for(std::size_t cells) {
     cells_ += cells;
 }
 
+// As the client does.
+void OfflineObject::require_asset(std::uint32_t kind, std::span<const std::byte> params) const {
+    if (kind != kind_of<Shape>) return;
+    Shape shape;
+    std::memcpy(static_cast<void*>(&shape), params.data(), sizeof shape);
+    if (shape.asset > assets_.size())
+        throw Failed(KNURL_BAD_PARAMETERS,
+                     "asset " + std::to_string(shape.asset) +
+                         ": none of that number was sent; knurl_offline_send_mesh gives the "
+                         "number");
+}
+
 namespace {
 std::size_t cells_of(std::size_t body) {
     return (sizeof(protocol::CommandHeader) + body + shm::cell_bytes - 1) / shm::cell_bytes;
@@ -154,6 +171,7 @@ knurl_id OfflineObject::add(std::uint32_t kind, std::span<const std::byte> param
                             const AddOptions& options) {
     if (const Verdict verdict = check_added(kind, params.data(), params.size(), options); !verdict)
         throw Failed(KNURL_BAD_PARAMETERS, describe(verdict, kind, ""));
+    require_asset(kind, params);
     if (free_.empty())
         throw Failed(KNURL_BAD_PARAMETERS,
                      "all " + std::to_string(slots_.size()) +
@@ -183,6 +201,7 @@ void OfflineObject::set(knurl_id id, std::uint32_t kind, std::span<const std::by
                                              std::string(kinds()[kind].name));
     if (const Verdict verdict = check_parameters(kind, params.data(), params.size()); !verdict)
         throw Failed(KNURL_BAD_PARAMETERS, describe(verdict, kind, ""));
+    require_asset(kind, params);
     claim_->update({.slot = static_cast<std::uint32_t>(id), .generation = slot.generation}, kind,
                    params.data(), params.size());
     changed_ = true;

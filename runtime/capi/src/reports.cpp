@@ -80,7 +80,7 @@ int knurl_reports(knurl_hand* hand, knurl_report* out, size_t capacity, size_t* 
         require_room(out, "knurl_report");
         const std::uint64_t stride = out->size;
         auto* to = reinterpret_cast<std::byte*>(out);
-        HandReport some[16];  // on the stack, whatever the capacity
+        HandReport some[64];  // on the stack, whatever the capacity
         while (*count < capacity) {
             const std::size_t got =
                 it.reader().drain(std::span(some).first(std::min(capacity - *count, std::size(some))));

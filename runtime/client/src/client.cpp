@@ -81,6 +81,9 @@ Age Observer::age(const Report& report) const {
 Network Observer::network() const {
     return reader_->network();
 }
+void Observer::release() {
+    reader_->close();
+}
 bool Observer::connected() const {
     return reader_->connected();
 }

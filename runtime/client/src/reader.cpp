@@ -121,11 +121,18 @@ std::size_t Reader::drain(std::span<HandReport> out) {
     for (Report report; count < out.size() && attachment_->reports->next(report); ++count) {
         since_.add(report);
         static_cast<Report&>(out[count]) = to_world(attachment_->terms.frame, report);
-        fill(out[count]);
     }
     settle(lock, false);
-    if (count > 0) last_ = out[count - 1];
-    if (count > 0 && hints()) on_read();
+    if (count == 0) return 0;
+    // Once for all, since each look at the writer's index takes its cache line away from it.
+    HandReport& newest = out[count - 1];
+    fill(newest);
+    for (std::size_t i = 0; i < count; ++i) {
+        out[i].missed = newest.missed;
+        out[i].unread = newest.unread + (count - 1 - i);
+    }
+    last_ = newest;
+    if (hints()) on_read();
     return count;
 }
 

@@ -196,6 +196,8 @@ class Observer {
     bool connected() const;
     /// How often the servo came back.
     std::uint64_t reattachments() const;
+    /// Ends the reading, of copies too: calls that wait in other threads, and all others from now on, throw.
+    void release();
 
   protected:
     /// The reader of the reports.
