@@ -4,6 +4,8 @@
 
 #include <knurl/link/fork_guard.hpp>
 
+#include "per_process.hpp"
+
 namespace knurl::capi {
 
 namespace {
@@ -126,24 +128,7 @@ std::vector<std::shared_ptr<Object>> Handles::take(const void* handle) {
 }
 
 Handles& handles() {
-    // Never freed: threads may be in a call while the process ends. In a child of a fork the parent's may be
-    // locked by a thread that the child has not.
-    static std::atomic<Handles*> current{nullptr};
-    static std::atomic<std::uint64_t> made_in{0};
-    static std::atomic_flag making = ATOMIC_FLAG_INIT;
-    const std::uint64_t now = detail::fork_generation();
-    Handles* found = current.load(std::memory_order_acquire);
-    if (found != nullptr && made_in.load(std::memory_order_relaxed) == now) return *found;
-    while (making.test_and_set(std::memory_order_acquire)) {
-    }
-    found = current.load(std::memory_order_acquire);
-    if (found == nullptr || made_in.load(std::memory_order_relaxed) != now) {
-        found = new Handles;
-        made_in.store(now, std::memory_order_relaxed);
-        current.store(found, std::memory_order_release);
-    }
-    making.clear(std::memory_order_release);
-    return *found;
+    return of_this_process<Handles>();
 }
 
 }  // namespace knurl::capi

@@ -4,10 +4,10 @@
 #include <thread>
 
 #include <knurl/link/clock.hpp>
-#include <knurl/link/fork_guard.hpp>
 #include <knurl/link/thread.hpp>
 
 #include "objects.hpp"
+#include "per_process.hpp"
 
 namespace knurl::capi {
 
@@ -18,18 +18,17 @@ constexpr std::chrono::milliseconds every{50};
 
 struct Renewer {
     std::mutex mutex;
+    bool runs = false;
     std::condition_variable wanted;
     std::vector<std::weak_ptr<HandObject>> hands;
 };
 
-/// False: the hand wants no renewal any more.
-bool renew(HandObject& hand) {
+void renew(HandObject& hand) {
     const std::int64_t grace = hand.grace_ns;
-    if (grace < 0 || hand.closed) return false;
-    const bool progresses = grace == 0 || detail::monotonic_ns() - hand.progress_ns < grace;
+    const bool progresses = grace == 0 || (grace > 0 && detail::monotonic_ns() - hand.progress_ns < grace);
     // What fails here fails in the application's own calls, too, and is told there.
-    if (progresses) call(nullptr, [&]() -> int { return hand.claim().keep_alive(), KNURL_OK; });
-    return true;
+    if (progresses && !hand.closed)
+        call(nullptr, [&]() -> int { return hand.claim().keep_alive(), KNURL_OK; });
 }
 
 void run(void* argument) {
@@ -52,26 +51,13 @@ void run(void* argument) {
     }
 }
 
-/// This process's; a fork's child has not its parent's thread.
-Renewer& renewer() {
-    static std::mutex making;
-    static Renewer* current = nullptr;
-    static std::uint64_t made_in = 0;
-    const std::lock_guard lock(making);
-    if (current == nullptr || made_in != detail::fork_generation()) {
-        auto* fresh = new Renewer;  // never freed: its thread ends with the process
-        detail::start_thread("knurl-alive", run, fresh);
-        current = fresh;
-        made_in = detail::fork_generation();
-    }
-    return *current;
-}
-
 }  // namespace
 
 void keep_alive_from_now_on(const std::shared_ptr<HandObject>& hand) {
-    Renewer& all = renewer();
+    Renewer& all = of_this_process<Renewer>();
     const std::lock_guard lock(all.mutex);
+    if (!all.runs) detail::start_thread("knurl-alive", run, &all);
+    all.runs = true;
     for (const std::weak_ptr<HandObject>& each : all.hands)
         if (each.lock() == hand) return;
     all.hands.push_back(hand);
