@@ -48,9 +48,10 @@ class Lingering {
     Lingering& operator=(const Lingering&) = delete;
 
     int fd() const { return lingers_.get(); }
-    /// From now on others alone hold it. Where they have closed it already, this close is the last one and
-    /// takes as long: so a thread makes it.
-    void let_go() {
+    /// From now on others alone hold it. The caller knows that somebody does: else this is the last close.
+    void let_go() { lingers_.reset(); }
+    /// The same where others may have closed it already: a thread makes what may be the last close.
+    void let_go_aside() {
         closing_ = std::jthread([last = std::move(lingers_)]() mutable { last.reset(); });
     }
 

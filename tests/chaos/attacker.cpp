@@ -77,7 +77,7 @@ void lingering(std::mt19937& random, const std::string& socket) {
         offer.number = 1;
         offer.bytes = 4096;
         if (!knurl::shm::send_message(claim.socket, std::as_bytes(std::span(&offer, 1)), {&fd, 1})) break;
-        made.back()->let_go();
+        made.back()->let_go_aside();
     }
     // The socket closes with messages, and so with descriptors, unread.
 }
