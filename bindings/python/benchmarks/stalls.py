@@ -88,7 +88,10 @@ def wait_for_rest(hand, turns=50):
 
 
 def felt(servo, policy, stall, seconds):
-    """(force before, smallest force, largest change within a millisecond) in N, from before the stall to after it."""
+    """(force before, smallest force, largest change within a millisecond) in N, from before the stall to after it.
+
+    Fourth: the longest time between two cycles of the servo (s). After more than 20 ms its force begins anew.
+    """
     with servo.connect(hints=False) as client, client.claim(alive=policy) as hand:
         hand.add(knurl.Plane(stiffness=500))
         hand.arm()
@@ -104,7 +107,7 @@ def felt(servo, policy, stall, seconds):
     force = reports["sent_force"][:, 2]
     # A cycle is a millisecond, but where the servo itself was late, and the hand moved on meanwhile.
     milliseconds = np.maximum(1, np.diff(reports["read_ns"]) * 1e-6)
-    return force[0], force.min(), (np.abs(np.diff(force)) / milliseconds).max()
+    return force[0], force.min(), (np.abs(np.diff(force)) / milliseconds).max(), milliseconds.max() * 1e-3
 
 
 def main():
@@ -117,7 +120,7 @@ def main():
         for policy in POLICIES:
             for name, stall in KINDS.items():
                 for seconds in said.stalls:
-                    before, least, step = felt(servo, policy, stall, seconds)
+                    before, least, step, _ = felt(servo, policy, stall, seconds)
                     print(f"{policy:12} {name:17} {seconds:6.3f} {before:9.3f} {least:9.3f} {step:10.4f}", flush=True)
 
 

@@ -13,16 +13,21 @@ import stalls  # noqa: E402
 # The claim's force comes and goes over 50 ms and more: of at most 2 N this is 0.04 N in a ms, and the hand moves, too.
 LARGEST_STEP = 0.15  # N in a ms
 GONE = 0.01  # N
+GAP = 0.015  # s between two cycles: after 20 ms the servo lets its force begin anew
 
 
 class Stalls(ServoCase):
     HAND = stalls.HAND
 
     def felt(self, policy, stall, seconds):
-        before, least, step = stalls.felt(self.servo, policy, stall, seconds)
-        self.assertGreater(before, 0.3)
-        self.assertLess(step, LARGEST_STEP)
-        return before, least
+        # A machine that holds up the servo itself says nothing about Python: once more then.
+        for _ in range(5):
+            before, least, step, gap = stalls.felt(self.servo, policy, stall, seconds)
+            if gap < GAP:
+                self.assertGreater(before, 0.3)
+                self.assertLess(step, LARGEST_STEP)
+                return before, least
+        raise unittest.SkipTest(f"the servo itself stood still for {1e3 * gap:.0f} ms, five times")
 
     def test_loop(self):
         """Silent after 250 ms: it fades, and comes back."""

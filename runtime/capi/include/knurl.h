@@ -40,11 +40,15 @@
 /// refuses a struct whose excess is not 0. Lengths are in m, forces in N, angles in rad, times in ns where
 /// the name ends so, else in s; the frame is the world of the claim (knurl_claim_options).
 ///
-/// Threads. Any function may be called from any thread, with any handle. Two threads that change one claim at
-/// once (add, set, remove, begin_group, commit, send) are taken one after the other, in an order that nobody
-/// promises, and a group is a group of both; so one thread at a time should change a claim. Another one may
-/// meanwhile read its reports, keep it alive, or close it: then a call that waits returns KNURL_BAD_HANDLE.
-/// Waiting holds no lock.
+/// Threads. Any function may be called from any thread, with any handle; waiting holds no lock. What is
+/// sensible is said behind each function:
+///
+///     [any]      any number of threads at once, also beside the following two
+///     [changes]  one thread at a time for each claim: calls of two are taken one after the other, in an order
+///                that nobody promises, and a group is a group of both
+///     [reads]    one thread at a time for each hand, beside one that changes it: two would share the reports
+///
+/// knurl_close from another thread ends calls that wait: they return KNURL_BAD_HANDLE.
 
 #include <stddef.h>
 #include <stdint.h>
@@ -53,11 +57,8 @@
 extern "C" {
 #endif
 
-#if defined(__GNUC__)
+/// What the library exports.
 #define KNURL_API __attribute__((visibility("default")))
-#else
-#define KNURL_API
-#endif
 
 /// What a function returns.
 typedef enum knurl_code {
@@ -113,16 +114,23 @@ typedef uint64_t knurl_id;
 
 /// A vector.
 typedef struct knurl_vec3 {
+    /// x.
     double x;
+    /// y.
     double y;
+    /// z.
     double z;
 } knurl_vec3;
 
 /// A quaternion, scalar first; turns vectors of the probe's frame into the world's.
 typedef struct knurl_quat {
+    /// Scalar part.
     double w;
+    /// x of the vector part.
     double x;
+    /// y of the vector part.
     double y;
+    /// z of the vector part.
     double z;
 } knurl_quat;
 
@@ -133,17 +141,18 @@ typedef struct knurl_quat {
 
 // ------------------------------------------------------------------------------------ the library itself
 
-/// The library's version: "0.1.0".
+/// The library's version: "0.1.0". [any]
 KNURL_API const char* knurl_version(void);
 /// A number that two builds share if, and only if, they can talk: a servo refuses clients of another one.
+/// [any]
 KNURL_API uint64_t knurl_layout(void);
 /// The line of the last call of this thread with this handle that failed; NULL: of the last one that failed.
-/// Empty: none did. Valid until the next call of this thread that fails.
+/// Empty: none did. Valid until the next call of this thread that fails. [any]
 KNURL_API const char* knurl_error(const void* handle);
-/// After KNURL_DEVICE_HELD in this thread: the process that holds the device; 0: not known.
+/// After KNURL_DEVICE_HELD in this thread: the process that holds the device; 0: not known. [any]
 KNURL_API int32_t knurl_holder(void);
 /// Closes a handle of any type. Of a client: also all that was claimed, observed or is being sent through it.
-/// Of a claim: its force fades and the device is free.
+/// Of a claim: its force fades and the device is free. [any]
 KNURL_API int knurl_close(void* handle);
 
 // --------------------------------------------------------------------------------------------- connecting
@@ -167,15 +176,15 @@ typedef struct knurl_connect_options {
     /// $KNURL_KEY, or no key.
     const char* key_file;
 } knurl_connect_options;
-/// Fills in size and defaults.
+/// Fills in size and defaults. [any]
 KNURL_API void knurl_default_connect_options(knurl_connect_options* options);
 
 /// Connects to "knurl:NAME" (or NAME), the servo of that name on this box, or to "knurl://HOST:PORT". NULL:
-/// "knurl:default". `options`: NULL for the defaults.
+/// "knurl:default". `options`: NULL for the defaults. [any]
 KNURL_API int knurl_connect(const char* address, const knurl_connect_options* options, knurl_client** out);
-/// 0: the servo is gone, and not back yet. Of a client or a hand.
+/// 0: the servo is gone, and not back yet. Of a client or a hand. [any]
 KNURL_API int knurl_connected(const void* handle, uint32_t* connected);
-/// Process number of the servo; 0: not connected.
+/// Process number of the servo; 0: not connected. [any]
 KNURL_API int knurl_servo_pid(const knurl_client* client, int32_t* pid);
 
 /// A device of the servo, in its own frame.
@@ -207,9 +216,9 @@ typedef struct knurl_device {
     /// 0: the orientation is that of the base.
     uint32_t senses_orientation;
 } knurl_device;
-/// The servo's device of this number, from 0; KNURL_NOTHING: there are fewer.
+/// The servo's device of this number, from 0; KNURL_NOTHING: there are fewer. [any]
 KNURL_API int knurl_device_at(const knurl_client* client, uint32_t index, knurl_device* out);
-/// Leaves the fault of a device, whoever holds it. NULL: the only one.
+/// Leaves the fault of a device, whoever holds it. NULL: the only one. [any]
 KNURL_API int knurl_reset_fault_of(knurl_client* client, const char* device);
 
 /// How to claim a device.
@@ -227,13 +236,13 @@ typedef struct knurl_claim_options {
     /// How often the application means to commit (ns); 0 (default): measured.
     int64_t update_interval_ns;
 } knurl_claim_options;
-/// Fills in size and defaults.
+/// Fills in size and defaults. [any]
 KNURL_API void knurl_default_claim_options(knurl_claim_options* options);
 
-/// Claims a device by name. NULL: the only one. `options`: NULL for the defaults.
+/// Claims a device by name. NULL: the only one. `options`: NULL for the defaults. [any]
 KNURL_API int knurl_claim(knurl_client* client, const char* device, const knurl_claim_options* options,
                           knurl_hand** out);
-/// Reads the reports of a device without claiming it.
+/// Reads the reports of a device without claiming it. [any]
 KNURL_API int knurl_observe(knurl_client* client, const char* device, knurl_hand** out);
 
 // ------------------------------------------------------------------------------------------------ reports
@@ -346,27 +355,27 @@ typedef struct knurl_frame {
 } knurl_frame;
 
 /// The newest report, with all that happened since the call before; waits for one that was not read.
-/// KNURL_NOTHING: none came in time, or not connected.
+/// KNURL_NOTHING: none came in time, or not connected. [reads]
 KNURL_API int knurl_newest(knurl_hand* hand, int64_t timeout_ns, knurl_frame* out);
 /// The newest report, though it may have been read already. KNURL_NOTHING: before the first cycle, or not
-/// connected.
+/// connected. [reads]
 KNURL_API int knurl_latest(knurl_hand* hand, knurl_report* out);
-/// The next report in order, waiting for it. KNURL_NOTHING: none came in time, or not connected.
+/// The next report in order, waiting for it. KNURL_NOTHING: none came in time, or not connected. [reads]
 KNURL_API int knurl_next_report(knurl_hand* hand, int64_t timeout_ns, knurl_report* out);
 /// Those reports that were not read, in order, at most `capacity`, without waiting; `out[0].size` says how
-/// long each is, and is set by the caller if capacity is not 0.
+/// long each is, and is set by the caller if capacity is not 0. [reads]
 KNURL_API int knurl_reports(knurl_hand* hand, knurl_report* out, size_t capacity, size_t* count);
 /// A descriptor for poll: readable while a report is there that was not read, and once when the servo has
-/// gone. It belongs to the library: do not close it.
+/// gone. It belongs to the library: do not close it. [reads]
 KNURL_API int knurl_fd(knurl_hand* hand, int* fd);
-/// Reports that were overwritten before they were read.
+/// Reports that were overwritten before they were read. [any]
 KNURL_API int knurl_missed(const knurl_hand* hand, uint64_t* missed);
-/// How often the servo came back.
+/// How often the servo came back. [any]
 KNURL_API int knurl_reattachments(const knurl_hand* hand, uint64_t* count);
-/// What the servo says about the device.
+/// What the servo says about the device. [any]
 KNURL_API int knurl_device_of(const knurl_hand* hand, knurl_device* out);
 /// How old a report with this `read_ns` is now, by the servo's clock (ns), and within what that is right
-/// (ns; may be NULL).
+/// (ns; may be NULL). [any]
 KNURL_API int knurl_age(const knurl_hand* hand, int64_t read_ns, int64_t* age_ns, int64_t* uncertainty_ns);
 
 /// What lies between an application and its servo; on one box all 0.
@@ -396,7 +405,7 @@ typedef struct knurl_network {
     /// 0.
     uint32_t reserved;
 } knurl_network;
-/// What lies between the application and its servo.
+/// What lies between the application and its servo. [any]
 KNURL_API int knurl_network_of(const knurl_hand* hand, knurl_network* out);
 
 // ---------------------------------------------------------------------------------------- representations
@@ -426,39 +435,40 @@ typedef struct knurl_add_options {
     /// 0.
     uint32_t reserved;
 } knurl_add_options;
-/// Fills in size and defaults.
+/// Fills in size and defaults. [any]
 KNURL_API void knurl_default_add_options(knurl_add_options* options);
 
 /// Adds a representation, in force from the next cycle on. `kind`: KNURL_PLANE and the others of
 /// knurl_kinds.h, `params`: knurl_plane and the others, which has a function of its own for each
-/// (knurl_add_plane). `options`: NULL for the defaults.
+/// (knurl_add_plane). `options`: NULL for the defaults. [changes]
 KNURL_API int knurl_add(knurl_hand* hand, uint32_t kind, const void* params, const knurl_add_options* options,
                         knurl_id* out);
-/// New parameters, sent with the next commit.
+/// New parameters, sent with the next commit. [changes]
 KNURL_API int knurl_set(knurl_hand* hand, knurl_id id, uint32_t kind, const void* params);
-/// The parameters as they were set last. params->size says how much of them there is room for.
+/// The parameters as they were set last. params->size says how much of them there is room for. [any]
 KNURL_API int knurl_get(knurl_hand* hand, knurl_id id, uint32_t kind, void* params);
-/// Removes a representation: it fades over its `recovery`.
+/// Removes a representation: it fades over its `recovery`. [changes]
 KNURL_API int knurl_remove(knurl_hand* hand, knurl_id id);
-/// Checks parameters, as knurl_add does, without a servo.
+/// Checks parameters, as knurl_add does, without a servo. [any]
 KNURL_API int knurl_validate(uint32_t kind, const void* params);
-/// Fills in size and defaults of parameters.
+/// Fills in size and defaults of parameters. [any]
 KNURL_API int knurl_default(uint32_t kind, void* params, uint64_t size);
-/// Makes parameters of that material: "rubber". What a material does not say stays.
+/// Makes parameters of that material: "rubber". What a material does not say stays. [any]
 KNURL_API int knurl_made_of(uint32_t kind, const char* material, void* params);
-/// Name of the material of this number, from 0; NULL: there are fewer.
+/// Name of the material of this number, from 0; NULL: there are fewer. [any]
 KNURL_API const char* knurl_material(uint32_t index);
 
 /// Places a probe (0 to 15) on the hand, in the frame of the device's tool. `offset`: m, NULL for 0;
-/// `radius`: m.
+/// `radius`: m. [changes]
 KNURL_API int knurl_place_probe(knurl_hand* hand, uint32_t probe, const knurl_vec3* offset, double radius);
 
 /// From here on, commands (add, remove, place_probe, arm) are one group, which takes effect in one cycle or
 /// not at all, until knurl_end_group sends it or knurl_cancel_group forgets it. Groups may lie within others.
+/// [changes]
 KNURL_API int knurl_begin_group(knurl_hand* hand);
-/// Sends the group.
+/// Sends the group. [changes]
 KNURL_API int knurl_end_group(knurl_hand* hand);
-/// Forgets the group.
+/// Forgets the group. [changes]
 KNURL_API int knurl_cancel_group(knurl_hand* hand);
 
 /// Bits of knurl_feedback::flags.
@@ -500,31 +510,35 @@ typedef struct knurl_feedback {
     /// 0.
     uint32_t reserved;
 } knurl_feedback;
-/// Feedback of the newest cycle. KNURL_NOTHING: the servo has not evaluated it yet.
+/// Feedback of the newest cycle. KNURL_NOTHING: the servo has not evaluated it yet. [any]
 KNURL_API int knurl_feedback_of(knurl_hand* hand, knurl_id id, knurl_feedback* out);
 /// Stiffness after clamping to what the device allows (N/m). KNURL_NOTHING: the servo has not answered yet.
+/// [any]
 KNURL_API int knurl_applied_stiffness(knurl_hand* hand, knurl_id id, double* stiffness);
 
 // ----------------------------------------------------------------------------------------------- the claim
 
 /// Allows force: it ramps up over 0.5 s once the hand is slow. Waits for the servo's answer, at most a second.
+/// [changes]
 KNURL_API int knurl_arm(knurl_hand* hand);
-/// Takes this claim's force away.
+/// Takes this claim's force away. [changes]
 KNURL_API int knurl_disarm(knurl_hand* hand);
-/// Leaves a fault: the device is idle then, without force, until knurl_arm.
+/// Leaves a fault: the device is idle then, without force, until knurl_arm. [changes]
 KNURL_API int knurl_reset_fault(knurl_hand* hand);
 /// Sends all changes since the last commit as one batch, which takes effect in one cycle, and renews the
 /// claim. `number`: of the batch; may be NULL. KNURL_REFUSED is about something that was sent before: this
-/// batch was sent.
+/// batch was sent. [changes]
 KNURL_API int knurl_commit(knurl_hand* hand, uint64_t* number);
 /// Waits until the batch `number` (0: the newest committed) has taken effect. KNURL_NOTHING: not in that time.
+/// [any]
 KNURL_API int knurl_wait_applied(knurl_hand* hand, uint64_t number, int64_t timeout_ns);
 
 /// From now on a thread of the library renews the claim (all signals are blocked in it), so that it is not
 /// taken for dead while nobody commits: as long as knurl_progress() was called within `grace_ns`. 0: as long
-/// as this process runs. Below 0: no more.
+/// as this process runs. Below 0: no more. [any]
 KNURL_API int knurl_keep_alive(knurl_hand* hand, int64_t grace_ns);
 /// Says that the program makes progress, though it does not commit. Cheap: any thread may call it at any rate.
+/// [any]
 KNURL_API int knurl_progress(knurl_hand* hand);
 
 /// What the device and its rate allow, in world units.
@@ -554,7 +568,7 @@ typedef struct knurl_limits {
     /// Newtons of the world that one newton of the device is.
     double newton;
 } knurl_limits;
-/// The device's limits.
+/// The device's limits. [any]
 KNURL_API int knurl_limits_of(knurl_hand* hand, knurl_limits* out);
 
 /// How late this application is, as measured by the servo.
@@ -573,9 +587,9 @@ typedef struct knurl_timing {
     /// Calls of knurl_follow that were too seldom for the surface's curvature.
     uint64_t undersampled;
 } knurl_timing;
-/// How late this application is.
+/// How late this application is. [any]
 KNURL_API int knurl_timing_of(knurl_hand* hand, knurl_timing* out);
-/// Where the hand will be (m) when an update computed now is half-way through its life.
+/// Where the hand will be (m) when an update computed now is half-way through its life. [any]
 KNURL_API int knurl_predicted_position(knurl_hand* hand, knurl_vec3* out);
 
 // ----------------------------------------------------------------------------------------- following a model
@@ -618,7 +632,7 @@ typedef struct knurl_followed {
 } knurl_followed;
 /// Evaluates `model` where the hand will be when this update takes effect, checks the answer and sets it, of
 /// a plane or cap. `step`: other than 0, the model has no curvatures, and they are measured from how its
-/// normals turn that far (m) apart. `out`: may be NULL.
+/// normals turn that far (m) apart. `out`: may be NULL. [changes]
 KNURL_API int knurl_follow(knurl_hand* hand, knurl_id id, knurl_surface_model model, void* user, double step,
                            knurl_followed* out);
 
@@ -719,20 +733,20 @@ typedef struct knurl_sent {
 } knurl_sent;
 
 /// Sends a triangle mesh and waits until the servo has it; meanwhile nobody commits, but knurl_keep_alive
-/// helps.
+/// helps. [changes]
 KNURL_API int knurl_send_mesh(knurl_hand* hand, const knurl_mesh* mesh, knurl_sent* out);
-/// Sends a height field, likewise.
+/// Sends a height field, likewise. [changes]
 KNURL_API int knurl_send_heights(knurl_hand* hand, const knurl_heights* heights, knurl_sent* out);
-/// Begins to send a triangle mesh; does not wait.
+/// Begins to send a triangle mesh; does not wait. [changes]
 KNURL_API int knurl_begin_sending_mesh(knurl_hand* hand, const knurl_mesh* mesh, knurl_sending** out);
-/// Begins to send a height field; does not wait.
+/// Begins to send a height field; does not wait. [changes]
 KNURL_API int knurl_begin_sending_heights(knurl_hand* hand, const knurl_heights* heights,
                                           knurl_sending** out);
-/// What the servo made of it. KNURL_NOTHING: not yet. Once it was answered the handle is closed.
+/// What the servo made of it. KNURL_NOTHING: not yet. Once it was answered the handle is closed. [any]
 KNURL_API int knurl_sending_done(knurl_sending* sending, int64_t wait_ns, knurl_sent* out);
-/// A descriptor for poll: readable when knurl_sending_done has an answer.
+/// A descriptor for poll: readable when knurl_sending_done has an answer. [any]
 KNURL_API int knurl_sending_fd(knurl_sending* sending, int* fd);
-/// Forgets an asset of which no representation is made any more.
+/// Forgets an asset of which no representation is made any more. [changes]
 KNURL_API int knurl_forget(knurl_hand* hand, uint32_t asset);
 
 // ------------------------------------------------------------------------- what kinds there are, at run time
@@ -782,11 +796,11 @@ typedef struct knurl_field {
 } knurl_field;
 
 /// Name of the kind of this number, from 0, and the size of its struct (may be NULL); KNURL_NOTHING: there
-/// are fewer.
+/// are fewer. [any]
 KNURL_API int knurl_kind_at(uint32_t kind, const char** name, uint64_t* size);
-/// The parameter of this number, from 0; KNURL_NOTHING: the kind has fewer.
+/// The parameter of this number, from 0; KNURL_NOTHING: the kind has fewer. [any]
 KNURL_API int knurl_field_at(uint32_t kind, uint32_t row, knurl_field* out);
-/// Name of the value of a choice, from 0; KNURL_NOTHING: there are fewer.
+/// Name of the value of a choice, from 0; KNURL_NOTHING: there are fewer. [any]
 KNURL_API int knurl_choice_at(uint32_t kind, uint32_t row, uint32_t value, const char** name);
 
 #ifdef __cplusplus
