@@ -284,13 +284,13 @@ class EndToEnd:
         hand.close()
         for call in (hand.commit, hand.arm, hand.newest, hand.latest, hand.drain, hand.fileno, floor.remove, lambda: hand.limits,
                      lambda: floor.feedback, lambda: hand.add(knurl.Plane()), lambda: hand.send_heights(np.zeros((3, 3)), 0.01)):
-            with self.assertRaises(knurl.BadHandle):
+            with self.assertRaisesRegex(knurl.BadHandle, "closed"):
                 call()
         client = self.connected()
         client.close()
         client.close()
         for call in (client.devices, client.claim, client.observe, lambda: client.servo_pid):
-            with self.assertRaises(knurl.BadHandle):
+            with self.assertRaisesRegex(knurl.BadHandle, "closed"):
                 call()
 
     def test_the_end_of_a_block_releases_the_device(self):

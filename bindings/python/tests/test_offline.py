@@ -161,7 +161,7 @@ class Calls(unittest.TestCase):
         servo.close()
         servo.close()
         for call in (lambda: servo.step((0, 0, 0)), servo.reset, plane.remove):
-            with self.assertRaises(knurl.BadHandle):
+            with self.assertRaisesRegex(knurl.BadHandle, "closed"):
                 call()
 
 
