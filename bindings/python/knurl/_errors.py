@@ -125,9 +125,6 @@ _CLASSES = _all_classes()
 
 def error_of(code: int, line: str, holder: int = 0) -> Error:
     """The exception for a code of the library."""
-    # Here a handle is NULL where its object was closed, and nowhere else.
-    if line == "the handle is NULL":
-        line = "it was closed; connect, claim or open anew"
     error = _CLASSES.get(code, Unknown)(line or f"the library answered {code} without a reason")
     if isinstance(error, DeviceHeld):
         error.holder = holder

@@ -47,7 +47,8 @@ std::uint64_t fork_byte() {
 }
 
 [[noreturn]] void refuse(const void* handle) {
-    if (handle == nullptr) throw Failed(KNURL_BAD_HANDLE, "the handle is NULL");
+    if (handle == nullptr)
+        throw Failed(KNURL_BAD_HANDLE, "the handle is NULL: it was closed, or no call has filled it in");
     const Parts parts = parts_of(handle);
     const std::string named = name_of(parts.type);
     if (named == "nothing" || parts.place == 0)
