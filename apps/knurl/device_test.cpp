@@ -12,9 +12,9 @@
 #include <knurl/json/json.hpp>
 #include <knurl/measure/measure.hpp>
 #include <knurl/servo/servo.hpp>
+#include <knurl/view/servo_view.hpp>
 
 #include "device_trial.hpp"
-#include "servo_view.hpp"
 #include "verbs.hpp"
 
 namespace knurl::cli {

@@ -8,8 +8,8 @@
 #include <knurl/drivers/registry.hpp>
 #include <knurl/drivers/usb_list.hpp>
 #include <knurl/json/json.hpp>
+#include <knurl/view/servo_view.hpp>
 
-#include "servo_view.hpp"
 #include "verbs.hpp"
 
 namespace knurl::cli {

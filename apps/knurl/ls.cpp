@@ -7,8 +7,8 @@
 
 #include <knurl/json/json.hpp>
 #include <knurl/protocol/attach.hpp>
+#include <knurl/view/text.hpp>
 
-#include "servo_text.hpp"
 #include "verbs.hpp"
 
 namespace knurl::cli {

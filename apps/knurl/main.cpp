@@ -1,8 +1,22 @@
 // knurl VERB: the tools of a haptics server for the terminal.
 
+#include <stdexcept>
+
 #include <knurl/commandline/program.hpp>
 
 #include "verbs.hpp"
+
+namespace knurl::cli {
+
+protocol::ServoAddress servo_said(const std::string& said) {
+    try {
+        return protocol::servo_address(said);
+    } catch (const std::runtime_error& error) {
+        throw UsageError(error.what());
+    }
+}
+
+}  // namespace knurl::cli
 
 int main(int argc, char** argv) {
     knurl::commandline::Command program(

@@ -23,8 +23,8 @@
 #include <knurl/recording/recording.hpp>
 #include <knurl/recording/salvage.hpp>
 #include <knurl/shm/socket.hpp>
+#include <knurl/view/servo_view.hpp>
 
-#include "servo_view.hpp"
 #include "verbs.hpp"
 
 namespace knurl::cli {

@@ -8,9 +8,9 @@
 
 #include <knurl/client/client.hpp>
 #include <knurl/protocol/attach.hpp>
+#include <knurl/view/servo_view.hpp>
+#include <knurl/view/text.hpp>
 
-#include "servo_text.hpp"
-#include "servo_view.hpp"
 #include "verbs.hpp"
 
 namespace knurl::cli {

@@ -100,13 +100,13 @@ class Looker {
 std::string text_of(const std::string& servo, const Look& look) {
     if (!look.problem.empty()) return fmt::format("knurl:{}  {}\n", servo, wrong(look.problem));
     std::string text = fmt::format("knurl:{}  pid {}  in {:.2f} s\n", servo, look.pid, look.seconds);
-    for (const DeviceRates& device : look.devices) text += text_of(device);
+    for (const DeviceRates& device : look.devices) text += cli::text_of(device);
     return text;
 }
 
 std::string line_of(const std::string& servo, const Look& look) {
     json devices = json::array();
-    for (const DeviceRates& device : look.devices) devices.push_back(json_of(device));
+    for (const DeviceRates& device : look.devices) devices.push_back(cli::json_of(device));
     const json line = {{"servo", servo},
                        {"pid", look.pid > 0 ? json(look.pid) : json()},
                        {"interval_s", look.seconds},

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <knurl/json/json.hpp>
+#include <knurl/view/text.hpp>
 
-#include "servo_text.hpp"
 #include "top_terminal.hpp"
 
 namespace knurl::cli {

@@ -4,10 +4,11 @@
 #include <string>
 
 #include <knurl/json/json.hpp>
-
-#include "top_rates.hpp"
+#include <knurl/view/rates.hpp>
 
 namespace knurl::cli {
+
+using namespace view;
 
 /// Lines of fields, two spaces or more apart.
 std::string text_of(const DeviceRates& rates);

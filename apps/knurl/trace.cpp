@@ -11,8 +11,8 @@
 #include <knurl/json/json.hpp>
 #include <knurl/measure/output_file.hpp>
 #include <knurl/protocol/attach.hpp>
+#include <knurl/view/servo_view.hpp>
 
-#include "servo_view.hpp"
 #include "trace_flight.hpp"
 #include "trace_timeline.hpp"
 #include "verbs.hpp"

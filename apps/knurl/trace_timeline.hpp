@@ -10,10 +10,11 @@
 #include <knurl/json/json.hpp>
 #include <knurl/measure/sleeper.hpp>
 #include <knurl/protocol/report.hpp>
-
-#include "top_rates.hpp"
+#include <knurl/view/rates.hpp>
 
 namespace knurl::cli {
+
+using namespace view;
 
 using measure::Nanoseconds;
 

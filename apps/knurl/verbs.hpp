@@ -2,10 +2,17 @@
 // The verbs of `knurl`: one file each. A verb adds itself, its options and its action.
 
 #include <knurl/commandline/command.hpp>
+#include <knurl/protocol/servo_address.hpp>
+
+namespace knurl::view {}  // <knurl/view/...>: what several programs show of a servo
 
 namespace knurl::cli {
 
 using commandline::UsageError;
+using namespace view;
+
+/// The servo named by --servo. Throws UsageError.
+protocol::ServoAddress servo_said(const std::string& said);
 
 void add_ls(commandline::Command& program);
 void add_eval(commandline::Command& program);

@@ -1,13 +1,14 @@
 // The rates that `knurl top` computes from two observations of a servo.
 
 #include <gtest/gtest.h>
-#include <top_rates.hpp>
+
+#include <knurl/view/rates.hpp>
 
 namespace knurl::test {
 namespace {
 
-using cli::ClientView;
-using cli::DeviceView;
+using view::ClientView;
+using view::DeviceView;
 
 DeviceView device(std::map<std::string, std::uint64_t> counters, std::vector<ClientView> clients = {}) {
     DeviceView view;
@@ -26,7 +27,7 @@ ClientView client(std::uint32_t row, pid_t pid) {
 
 TEST(TopRates, AreDifferencesPerSecond) {
     const auto rates =
-        cli::rates_between(device({{"cycles", 1000}, {"late_cycles", 3}, {"overruns", 1}}),
+        view::rates_between(device({{"cycles", 1000}, {"late_cycles", 3}, {"overruns", 1}}),
                            device({{"cycles", 1500}, {"late_cycles", 5}, {"overruns", 1}}), 0.5, {});
     EXPECT_EQ(rates.rate, 1000);
     EXPECT_EQ(rates.late, 2u);
@@ -36,7 +37,7 @@ TEST(TopRates, AreDifferencesPerSecond) {
 }
 
 TEST(TopRates, PartsAreMeansOfTheStampedCycles) {
-    const auto rates = cli::rates_between(
+    const auto rates = view::rates_between(
         device({{"stamped_cycles", 10}, {"read_ns", 5000}, {"scenes_ns", 100'000}}),
         device({{"stamped_cycles", 18}, {"read_ns", 13'000}, {"scenes_ns", 132'000}}), 0.5, {});
     ASSERT_TRUE(rates.parts);
@@ -49,7 +50,7 @@ TEST(TopRates, PartsAreMeansOfTheStampedCycles) {
 
 TEST(TopRates, TheRestOfThePeriodIsSleep) {
     const auto rates =
-        cli::rates_between(device({{"cycles", 100}, {"stamped_cycles", 1}}),
+        view::rates_between(device({{"cycles", 100}, {"stamped_cycles", 1}}),
                            device({{"cycles", 600}, {"stamped_cycles", 5}, {"write_ns", 24'000}}), 0.5, {});
     EXPECT_EQ(rates.step, 6);
     EXPECT_EQ(rates.sleep, 994);
@@ -58,15 +59,15 @@ TEST(TopRates, TheRestOfThePeriodIsSleep) {
 TEST(TopRates, ALookThatIsTooShortForAStampKeepsThePartsOfTheOneBefore) {
     const auto start = device({{"stamped_cycles", 1}}),
                later = device({{"stamped_cycles", 5}, {"take_ns", 8000}});
-    const auto first = cli::rates_between(start, later, 0.5, {});
-    auto second = cli::rates_between(later, later, 0.05, {});
+    const auto first = view::rates_between(start, later, 0.5, {});
+    auto second = view::rates_between(later, later, 0.05, {});
     ASSERT_FALSE(second.parts);
-    cli::keep_parts(first, second);
+    view::keep_parts(first, second);
     ASSERT_TRUE(second.parts);
     EXPECT_EQ((*second.parts)[2], 2);
     EXPECT_EQ(second.step, 2);
-    auto third = cli::rates_between(start, device({{"stamped_cycles", 2}, {"take_ns", 3000}}), 0.5, {});
-    cli::keep_parts(second, third);
+    auto third = view::rates_between(start, device({{"stamped_cycles", 2}, {"take_ns", 3000}}), 0.5, {});
+    view::keep_parts(second, third);
     EXPECT_EQ((*third.parts)[2], 3) << "it has its own";
 }
 
@@ -74,11 +75,11 @@ TEST(TopRates, LatenessIsOfTheReportsThatWereSeen) {
     std::vector<Report> seen(41);
     for (std::size_t i = 0; i < seen.size(); ++i)
         seen[i].read_ns = static_cast<std::int64_t>(10'000 * (i + 1));
-    const auto rates = cli::rates_between(device({}), device({}), 1, seen);
+    const auto rates = view::rates_between(device({}), device({}), 1, seen);
     EXPECT_EQ(rates.late_median, 210);
     EXPECT_EQ(rates.late_max, 410);
     seen.resize(5);
-    const auto few = cli::rates_between(device({}), device({}), 1, seen);
+    const auto few = view::rates_between(device({}), device({}), 1, seen);
     EXPECT_FALSE(few.late_median) << "too few";
     EXPECT_EQ(few.late_max, 50);
 }
@@ -94,7 +95,7 @@ TEST(TopRates, ClientsAreFoundAgainByTheirRow) {
     second.missed = 7;
     second_now.missed = 10;
     newcomer.commits = 30;
-    const auto rates = cli::rates_between(device({}, {first, second}),
+    const auto rates = view::rates_between(device({}, {first, second}),
                                           device({}, {first_now, second_now, newcomer}), 0.5, {});
     ASSERT_EQ(rates.clients.size(), 3u);
     EXPECT_EQ(rates.clients[0].updates, 20);
@@ -105,7 +106,7 @@ TEST(TopRates, ClientsAreFoundAgainByTheirRow) {
 }
 
 TEST(TopRates, CountersOfAnotherServoMakeNoNegativeRates) {
-    EXPECT_EQ(cli::rates_between(device({{"cycles", 5000}}), device({{"cycles", 10}}), 1, {}).rate, 0);
+    EXPECT_EQ(view::rates_between(device({{"cycles", 5000}}), device({{"cycles", 10}}), 1, {}).rate, 0);
 }
 
 }  // namespace

@@ -6,9 +6,9 @@
 #include <string_view>
 #include <vector>
 
-#include "servo_view.hpp"
+#include <knurl/view/servo_view.hpp>
 
-namespace knurl::cli {
+namespace knurl::view {
 
 /// Parts of a cycle, in their order, as the servo stamps them (protocol::Count).
 inline constexpr std::array<std::string_view, 7> cycle_parts = {"read",      "kinematics", "take",   "scenes",
@@ -42,4 +42,4 @@ void keep_parts(const DeviceRates& before, DeviceRates& now);
 DeviceRates rates_between(const DeviceView& before, const DeviceView& now, double seconds,
                           const std::vector<Report>& seen);
 
-}  // namespace knurl::cli
+}  // namespace knurl::view

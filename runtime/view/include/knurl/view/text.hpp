@@ -5,9 +5,9 @@
 #include <string>
 #include <string_view>
 
-#include "servo_view.hpp"
+#include <knurl/view/servo_view.hpp>
 
-namespace knurl::cli {
+namespace knurl::view {
 
 std::string_view state_name(DeviceState state);  // "ramp up"
 std::string fault_names(std::uint32_t mask);     // "slew, power"; empty: none
@@ -16,4 +16,4 @@ std::uint32_t faults_of(const DeviceView& device);
 double force_of(const DeviceView& device);                   // N, as sent
 std::string representations_text(const ClientView& client);  // "3 plane, 1 spring"
 
-}  // namespace knurl::cli
+}  // namespace knurl::view

@@ -1,4 +1,4 @@
-#include "servo_view.hpp"
+#include <knurl/view/servo_view.hpp>
 
 #include <algorithm>
 #include <cerrno>
@@ -20,9 +20,8 @@
 #include <knurl/shm/socket.hpp>
 #include <knurl/words/printable.hpp>
 
-#include "verbs.hpp"
 
-namespace knurl::cli {
+namespace knurl::view {
 
 namespace {
 
@@ -143,14 +142,6 @@ protocol::Welcome greet(const shm::UniqueFd& connection, std::chrono::millisecon
         throw std::runtime_error("the servo sent no memory for its devices");
     }
     return welcome;
-}
-
-protocol::ServoAddress servo_said(const std::string& said) {
-    try {
-        return protocol::servo_address(said);
-    } catch (const std::runtime_error& error) {
-        throw UsageError(error.what());
-    }
 }
 
 std::size_t chosen_device(const std::string& servo, const std::vector<std::string>& names,
@@ -287,4 +278,4 @@ std::vector<ServoView> look_at_all() {
     return views;
 }
 
-}  // namespace knurl::cli
+}  // namespace knurl::view

@@ -19,7 +19,7 @@
 #include <knurl/shm/broadcast_ring.hpp>
 #include <knurl/shm/segment.hpp>
 
-namespace knurl::cli {
+namespace knurl::view {
 
 struct ClientView {
     std::uint32_t row = 0;  // in the device's table
@@ -99,8 +99,6 @@ Message answer(const shm::UniqueFd& connection, protocol::MessageType expected,
 protocol::Welcome greet(const shm::UniqueFd& connection, std::chrono::milliseconds answer_time,
                         std::vector<shm::UniqueFd>& segments);
 
-/// The servo named by --servo. Throws UsageError.
-protocol::ServoAddress servo_said(const std::string& said);
 /// Throws std::runtime_error, with the name of the servo that was probably meant.
 shm::UniqueFd connect_to_servo(const protocol::ServoAddress& servo);
 
@@ -113,4 +111,4 @@ std::size_t chosen_device(const std::string& servo, const std::vector<std::strin
 /// folders are marked.
 std::vector<ServoView> look_at_all();
 
-}  // namespace knurl::cli
+}  // namespace knurl::view

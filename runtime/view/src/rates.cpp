@@ -1,4 +1,4 @@
-#include "top_rates.hpp"
+#include <knurl/view/rates.hpp>
 
 #include <algorithm>
 #include <string>
@@ -6,7 +6,7 @@
 
 #include <knurl/measure/measure.hpp>
 
-namespace knurl::cli {
+namespace knurl::view {
 
 namespace {
 
@@ -76,4 +76,4 @@ void keep_parts(const DeviceRates& before, DeviceRates& now) {
     now.busy = before.busy;
 }
 
-}  // namespace knurl::cli
+}  // namespace knurl::view

@@ -1,10 +1,10 @@
-#include "servo_text.hpp"
+#include <knurl/view/text.hpp>
 
 #include <fmt/format.h>
 
 #include <knurl/protocol/report_names.hpp>
 
-namespace knurl::cli {
+namespace knurl::view {
 
 std::string_view state_name(DeviceState state) {
     const auto index = static_cast<std::size_t>(state);
@@ -39,4 +39,4 @@ std::string representations_text(const ClientView& client) {
     return text.empty() ? "nothing to feel" : text;
 }
 
-}  // namespace knurl::cli
+}  // namespace knurl::view
