@@ -6,6 +6,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include <knurl/gateway/live_view.hpp>
@@ -25,16 +26,6 @@ struct LivePageOptions {
     std::function<void(const std::string&)> log{};
 };
 
-/// What a file of a mesh became.
-struct SentMesh {
-    /// Number of the asset.
-    std::uint32_t asset = 0;
-    /// Its triangles.
-    std::uint64_t triangles = 0;
-    /// What the reader found and mended, one line; empty: nothing.
-    std::string notes;
-};
-
 /// All pages of a servo.
 class LivePage {
   public:
@@ -46,10 +37,10 @@ class LivePage {
     void tick(std::chrono::steady_clock::time_point now);
     /// Makes the handler of a page.
     std::unique_ptr<SocketHandler> open(Socket& socket);
-    /// A file of a mesh from the page of that session, for its claim. `unit`: of its numbers, "mm"; empty: as the file
-    /// says. Throws std::runtime_error, one line.
-    SentMesh take_mesh(const std::string& session, std::size_t device, const std::string& name,
-                       const std::string& unit, const std::string& bytes);
+    /// A file of a mesh from the page of that session, for its claim: begins to read it, and the page is told what became
+    /// of it. `unit`: of its numbers, "mm"; empty: it is guessed. Throws std::runtime_error, one line.
+    void take_mesh(const std::string& session, std::size_t device, const std::string& name, const std::string& unit,
+                   std::string bytes);
     /// A mesh for the page, in the form of the README; none: it is not known.
     std::optional<std::string> asset(std::size_t device, std::uint64_t claim, std::uint32_t number) const;
     /// Pages that are open.
