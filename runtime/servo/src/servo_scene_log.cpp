@@ -94,6 +94,7 @@ void Servo::Impl::show_changes_of(Claim::Impl& c, std::uint32_t& records, std::u
 }
 
 void Servo::Impl::show_felt(Claim::Impl& c) noexcept {
+    if (c.unshown.claim_waits()) return;
     if (!c.touching && !c.shown_touching && c.scene_sleeps == c.shown_asleep) return;
     c.shown_touching = c.touching;
     c.shown_asleep = c.scene_sleeps;

@@ -15,11 +15,11 @@ class Unshown {
     /// Allocates; nothing afterwards does.
     explicit Unshown(std::size_t slots) : slots_(slots), changed_((slots + 63) / 64) {}
 
-    /// All of it, from the first slot on. Slots are looked at when their turn comes.
+    /// All of it. Slots are looked at when their turn comes.
     void all() noexcept {
         claim_ = true;
         probes_ = ~std::uint32_t{0};
-        swept_ = 0;
+        unswept_ = slots_;
         any_ = true;
     }
     void claim() noexcept { claim_ = any_ = true; }
@@ -33,6 +33,8 @@ class Unshown {
     }
 
     bool any() const noexcept { return any_; }
+    /// The claim itself has not been shown: nothing else of it is, before.
+    bool claim_waits() const noexcept { return claim_; }
     bool take_claim() noexcept {
         const bool was = claim_;
         claim_ = false;
@@ -49,26 +51,35 @@ class Unshown {
         std::uint32_t slot = 0;
         bool changed = false;  // false: its turn came in the sweep, so an empty one is no news
     };
-    /// The next slot; takes `most` slots of the sweep at most. None: all were taken, or the sweep goes on in the next
-    /// cycle (any()).
+    /// The next slot, in turn, so that none waits for ever behind those that change in each cycle; takes `most` slots of
+    /// the sweep at most. None: all were taken, or the sweep goes on in the next cycle (any()).
     std::optional<Slot> take_slot(std::uint32_t& most) noexcept {
-        for (std::size_t w = 0; w < changed_.size(); ++w) {
-            if (changed_[w] == 0) continue;
-            const auto bit = static_cast<std::uint32_t>(std::countr_zero(changed_[w]));
-            changed_[w] &= changed_[w] - 1;
-            return Slot{.slot = static_cast<std::uint32_t>(64 * w) + bit, .changed = true};
-        }
-        if (swept_ < slots_ && most == 0) return std::nullopt;
-        if (swept_ < slots_) {
+        if (unswept_ > 0) {
+            if (most == 0) return std::nullopt;
             --most;
-            return Slot{.slot = static_cast<std::uint32_t>(swept_++)};
+            --unswept_;
+            return taken(next_ % slots_);
+        }
+        for (std::size_t n = 0; n <= changed_.size(); ++n) {
+            if (next_ >= slots_) next_ = 0;
+            const std::uint64_t rest = changed_[next_ / 64] >> next_ % 64;
+            if (rest != 0) return taken(next_ + static_cast<std::size_t>(std::countr_zero(rest)));
+            next_ = (next_ / 64 + 1) * 64;
         }
         any_ = claim_ || probes_ != 0;
         return std::nullopt;
     }
 
   private:
-    std::size_t slots_, swept_ = slots_;
+    Slot taken(std::size_t slot) noexcept {
+        const std::uint64_t bit = std::uint64_t{1} << slot % 64;
+        const bool changed = (changed_[slot / 64] & bit) != 0;
+        changed_[slot / 64] &= ~bit;
+        next_ = slot + 1;
+        return {.slot = static_cast<std::uint32_t>(slot), .changed = changed};
+    }
+
+    std::size_t slots_, next_ = 0, unswept_ = 0;
     std::vector<std::uint64_t> changed_;
     std::uint32_t probes_ = 0;
     bool claim_ = false, any_ = false;
