@@ -175,6 +175,15 @@ std::vector<std::byte> put_right(MessageType type, std::vector<std::byte> bytes,
         case MessageType::record:
             return with(overlaid<protocol::RecordRequest>(bytes),
                         [](protocol::RecordRequest& record) { record.device &= 1; });
+        case MessageType::watch:
+            return with(overlaid<protocol::WatchRequest>(bytes),
+                        [](protocol::WatchRequest& watch) { watch.device &= 1; });
+        case MessageType::show_asset:
+            return with(overlaid<protocol::ShowAsset>(bytes), [](protocol::ShowAsset& show) {
+                show.device &= 1;
+                show.row %= 4;
+                show.number %= 4;
+            });
         case MessageType::asset_forget:
             return with(overlaid<protocol::AssetForget>(bytes), [&](protocol::AssetForget& forget) {
                 if (!client.claims.empty()) forget.key = client.claims.back().first.key;
