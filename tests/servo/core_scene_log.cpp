@@ -62,6 +62,7 @@ struct Picture {
         Seen& seen = claims[number];
         if (type == SceneRecord::probe) {
             const auto probe = take<SceneProbe>(bytes);
+            ASSERT_LT(probe.probe, max_probes);
             seen.probes[probe.probe] = probe.placement;
         }
         if (type == SceneRecord::item) {

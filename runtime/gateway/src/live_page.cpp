@@ -323,9 +323,10 @@ void LivePage::Impl::look_at_children() {
             ++it;
             continue;
         }
-        const std::string& said = it->second.child->said();
-        const std::string last = words::printable(said.substr(0, said.find_last_not_of('\n') + 1), 400);
-        tell_all(*code == 0 ? "info" : "error", "recording ended: " + last);
+        std::string said = it->second.child->said();
+        said.resize(said.find_last_not_of('\n') + 1);  // its summary is the last line
+        said.erase(0, said.rfind('\n') + 1);
+        tell_all(*code == 0 ? "info" : "error", "recording ended: " + words::printable(said, 400));
         it = recorders.erase(it);
     }
     if (!doctor || !doctor->look()) return;

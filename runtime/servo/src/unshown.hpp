@@ -8,6 +8,8 @@
 #include <optional>
 #include <vector>
 
+#include <knurl/reps/bounds.hpp>
+
 namespace knurl::servo {
 
 class Unshown {
@@ -18,7 +20,7 @@ class Unshown {
     /// All of it. Slots are looked at when their turn comes.
     void all() noexcept {
         claim_ = true;
-        probes_ = ~std::uint32_t{0};
+        probes_ = (std::uint32_t{1} << max_probes) - 1;
         unswept_ = slots_;
         any_ = true;
     }
