@@ -145,7 +145,7 @@ TEST(SceneLog, ShowsWhatIsInTheScenesAfterAnything) {
             ASSERT_NO_FATAL_FAILURE(watcher.look());
         }
         run.quiet = true;
-        for (int i = 0; i < 500; ++i) run.cycle();
+        for (int i = 0; i < 1000; ++i) run.cycle();
         ASSERT_NO_FATAL_FAILURE(watcher.look());
         ASSERT_NO_FATAL_FAILURE(expect_same(run, watcher.picture));
         EXPECT_EQ(watcher.picture.begins, 2u);
@@ -226,7 +226,7 @@ TEST(SceneLog, ACycleWritesLittleHoweverMuchChanges) {
     // Whatever changes in each cycle is shown again and again, and nothing is left out for ever.
     EXPECT_EQ(crowd.watcher.picture.claims.begin()->second.items.size(), Crowd::most);
     const double last = -0.01 - 1e-6 * 1998;
-    crowd.cycles(400);
+    crowd.cycles(800);
     ASSERT_NO_FATAL_FAILURE(crowd.watcher.look());
     for (const auto& [slot, item] : crowd.watcher.picture.claims.begin()->second.items) {
         Plane plane;
@@ -242,7 +242,7 @@ TEST(SceneLog, NothingIsWrittenWhileNobodyWatches) {
     crowd.cycles(100);
     EXPECT_EQ(crowd.watcher.slots(), 0u);
     crowd.servo.show_scenes(&crowd.watcher.log);
-    crowd.cycles(400);
+    crowd.cycles(800);
     crowd.servo.show_scenes(nullptr);
     crowd.cycles(1);
     const std::uint64_t then = crowd.watcher.slots();

@@ -39,18 +39,23 @@ void Servo::Impl::watch_scenes(RecordLog* log) noexcept {
     }
 }
 
+// Changes and what is felt by turns: each half the rate, for half of what looking for them costs.
 void Servo::Impl::show_scenes() noexcept {
-    constexpr std::size_t claims_a_cycle = 4;
-    std::uint32_t records = 2, slots = 64;  // of a cycle
-    for (std::size_t n = std::min(claims.size(), claims_a_cycle); n > 0 && records > 0; --n) {
-        if (next_shown >= claims.size()) next_shown = 0;
-        Claim::Impl& c = claims[next_shown];
-        if (c.channels && c.unshown.any()) show_changes_of(c, records, slots);
-        if (records > 0) ++next_shown;
+    if (report.cycle % 2 == 0) {
+        constexpr std::size_t claims_at_once = 4;
+        std::uint32_t records = 2, slots = 64;
+        for (std::size_t n = std::min(claims.size(), claims_at_once); n > 0 && records > 0; --n) {
+            if (next_shown >= claims.size()) next_shown = 0;
+            Claim::Impl& c = claims[next_shown];
+            if (c.channels && c.unshown.any()) show_changes_of(c, records, slots);
+            if (records > 0) ++next_shown;
+        }
+        return;
     }
-    constexpr std::uint64_t felt_every = 16;  // cycles: 60 times a second; claims take turns
+    constexpr std::uint64_t turns = 16;  // of two cycles: 30 times a second
+    const std::uint64_t turn = report.cycle / 2 % turns;
     for (const std::size_t place : claims.awake()) {
-        if (place >= claims.size() || place % felt_every != report.cycle % felt_every) continue;
+        if (place % turns != turn) continue;
         if (Claim::Impl& c = claims[place]; c.channels) show_felt(c);
     }
 }

@@ -33,7 +33,7 @@ enum class SceneRecord : std::uint16_t {
     item,
     /// RepresentationId: it was removed.
     item_gone,
-    /// SceneFelt, then so many SceneContact: what is touched; written up to 60 times a second while something is.
+    /// SceneFelt, then so many SceneContact: what is touched; written up to 30 times a second while something is.
     felt,
 };
 
