@@ -397,7 +397,6 @@ export class Mock {
         return {};
       case "down":
         // Away for a while: nobody listens.
-        this.server.closeAllConnections?.();
         for (const socket of this.sockets) socket.terminate();
         this.refuse = Number(query.get("ms") ?? 1500) + performance.now();
         return {};
@@ -453,7 +452,7 @@ export class Mock {
   async handle(request, response) {
     const url = new URL(request.url, "http://mock");
     const give = (status, type, body) => response.writeHead(status, { ...headers, "Content-Type": type }).end(body);
-    if (this.refuse > performance.now()) return request.socket.destroy();
+    if (this.refuse > performance.now() && url.pathname !== "/mock") return request.socket.destroy();
     try {
       if (url.pathname === "/mock") return give(200, "application/json", JSON.stringify(this.do(url.searchParams.get("do"), url.searchParams) ?? {}));
       if (url.searchParams.get("token") === this.token) {

@@ -33,7 +33,7 @@ const specs: Spec[] = [
   },
   { id: "velocity", title: "Velocity", unit: "mm/s", columns: xyz("v", 1e3), least: 20, thresholds: () => [{ at: 1500, text: "fault" }, { at: -1500, text: "fault" }] },
   {
-    id: "force", title: "Force", unit: "N", columns: [...xyz("f", 1)!, { name: "scene", label: "scene", factor: 1 }], least: 0.5,
+    id: "force", title: "Force", unit: "N", columns: [...xyz("f", 1)!, { name: "scene", label: "asked for", factor: 1 }], least: 0.5,
     thresholds: ({ info }) => [{ at: info.peak_force, text: "peak" }, { at: -info.peak_force, text: "peak" }],
   },
   {
@@ -82,9 +82,10 @@ class Chart {
         width: Math.max(80, this.holder.clientWidth),
         height: Math.max(40, this.holder.clientHeight),
         legend: { show: false },
+        padding: [6, 10, 0, 0],
         cursor: { sync: { key: "knurl" }, drag: { x: true, y: false }, points: { size: 5 } },
         scales: {
-          x: { time: false, auto: false, range: () => this.charts.window() },
+          x: { time: false, auto: false, range: () => this.charts.window().map((t) => t - this.charts.origin()) as [number, number] },
           y: {
             range: (_u, low, high) => {
               if (low === null || high === null || !Number.isFinite(low) || !Number.isFinite(high)) return spec.zero ? [0, spec.least] : [-spec.least / 2, spec.least / 2];
@@ -95,9 +96,9 @@ class Chart {
             },
           },
         },
-        series: [{}, ...labels.map((label, k) => ({ label, stroke: tint[k], width: 1.2, points: { show: false }, spanGaps: true }))],
+        series: [{}, ...labels.map((label, k) => ({ label, stroke: tint[k], width: label === "asked for" ? 0.6 : 1.2, points: { show: false }, spanGaps: true }))],
         axes: [
-          { ...axis, size: 18, gap: 2, space: 60, values: (_u, splits) => splits.map((t) => `${+(t - this.charts.origin()).toFixed(2)}`) },
+          { ...axis, size: 18, gap: 2, space: 60, values: (_u, splits) => splits.map((t) => `${+t.toFixed(3)}`) },
           { ...axis, size: 44, gap: 3, space: 24, values: (_u, splits) => splits.map((v) => `${+v.toPrecision(4)}`) },
         ],
         hooks: {
@@ -105,7 +106,8 @@ class Chart {
           setSelect: [
             (u) => {
               if (u.select.width < 4) return;
-              this.charts.zoom(u.posToVal(u.select.left, "x"), u.posToVal(u.select.left + u.select.width, "x"));
+              const origin = this.charts.origin();
+              this.charts.zoom(origin + u.posToVal(u.select.left, "x"), origin + u.posToVal(u.select.left + u.select.width, "x"));
               u.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
             },
           ],
@@ -124,6 +126,8 @@ class Chart {
     ctx.setLineDash([4, 4]);
     ctx.lineWidth = 1;
     ctx.font = `${10 * devicePixelRatio}px system-ui, sans-serif`;
+    ctx.textAlign = "left";
+    ctx.textBaseline = "bottom";
     for (const { at, text } of this.thresholds) {
       const y = u.valToPos(at, "y", true);
       if (!(y >= bbox.top && y <= bbox.top + bbox.height)) continue;
@@ -131,11 +135,11 @@ class Chart {
       ctx.moveTo(bbox.left, y);
       ctx.lineTo(bbox.left + bbox.width, y);
       ctx.stroke();
-      ctx.fillText(text, bbox.left + 4, y - 3);
+      ctx.fillText(text, bbox.left + 4, y);
     }
     const cursor = this.charts.cursor();
     if (cursor !== null) {
-      const x = u.valToPos(cursor, "x", true);
+      const x = u.valToPos(cursor - this.charts.origin(), "x", true);
       ctx.setLineDash([]);
       ctx.beginPath();
       ctx.moveTo(x, bbox.top);
@@ -147,6 +151,7 @@ class Chart {
   draw(device: Device): void {
     if (!this.holder.clientWidth) return;
     const [t0, t1] = this.charts.window();
+    const origin = this.charts.origin();
     const { spec } = this;
     this.thresholds = spec.thresholds?.(device) ?? [];
     let data: uPlot.AlignedData;
@@ -159,6 +164,7 @@ class Chart {
       const buckets = Math.max(60, Math.min(400, Math.round(this.holder.clientWidth / 2)));
       const thin = device.history.thin(t0, t1, buckets, spec.columns.map((column) => column.name));
       for (const [c, column] of spec.columns.entries()) if (column.factor !== 1) for (let k = 0; k < thin.values[c].length; k++) thin.values[c][k] *= column.factor;
+      for (let k = 0; k < thin.t.length; k++) thin.t[k] -= origin;
       data = [thin.t, ...thin.values];
     } else {
       const samples = device.ages.filter((sample) => sample.t >= t0 - 1 && sample.t <= t1 + 1);
@@ -170,7 +176,7 @@ class Chart {
         this.build(labels, tints);
       }
       data = [
-        samples.map((sample) => sample.t),
+        samples.map((sample) => sample.t - origin),
         ...labels.map((key) => samples.map((sample) => (spec.status === "age" ? (sample.age.get(key) === undefined ? null : sample.age.get(key)! * 1e3) : (sample.parts[key] ?? null)))),
       ];
     }
@@ -188,6 +194,7 @@ export class Charts {
   private turn = 0;
   private span = 10;
   paused = false;
+  private pausedAt = 0;
   private frozen: [number, number] | null = null;
   constructor(private readonly model: Model) {
     this.charts = specs.map((spec) => new Chart(spec, this));
@@ -225,7 +232,8 @@ export class Charts {
   }
   setPaused(on: boolean): void {
     if (on === this.paused && !this.frozen) return;
-    this.frozen = on ? this.window() : null;
+    if (on && !this.paused) this.pausedAt = this.model.now();
+    this.frozen = on ? (this.frozen ?? this.window()) : null;
     this.paused = on;
     const button = byId("pause");
     button.setAttribute("aria-pressed", String(on));
@@ -254,9 +262,9 @@ export class Charts {
   cursor(): number | null {
     return this.model.recording ? this.model.cursor : null;
   }
-  /** What the axis counts from: a recording from its beginning, else from now. */
+  /** What the axis counts from: a recording from its beginning, else from now; where it is paused, from then. */
   origin(): number {
-    return this.model.recording ? 0 : this.window()[1];
+    return this.model.recording ? 0 : this.paused ? this.pausedAt : this.model.now();
   }
   /** Draws one chart. */
   draw(): void {

@@ -173,7 +173,7 @@ function frame(now: number): void {
   at[place] = now;
   connection.work = 0;
   counters.frames++;
-  if (counters.frames % 60 === 0) {
+  if (counters.frames % 20 === 0) {
     const n = Math.min(counters.frames, work.length);
     counters.workP50 = median(work, n);
     counters.drawP50 = median(drawing, n);

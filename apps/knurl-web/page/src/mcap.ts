@@ -98,7 +98,7 @@ export async function readRecording(bytes: Uint8Array, between?: (share: number)
     await between?.(Math.min(1, (at + piece) / bytes.length));
   }
   if (channel < 0) throw new Error(broken || "an MCAP file, but none that knurl record made (it has no channel /knurl/report)");
-  if (count === 0) throw new Error(broken || "a recording without a report");
+  if (count === 0) throw new Error(broken || (reader.done() ? "a recording without a report" : "cut off before the first reports were complete"));
   if (broken) notes.push(`used up to a damaged place: ${broken}`);
   else if (!reader.done()) notes.push("the file was cut off; what is complete is shown");
   blocks.push(block);

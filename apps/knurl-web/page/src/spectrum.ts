@@ -125,19 +125,18 @@ export function buzzAt(history: History, until = history.last): Buzz | null {
   return buzzOf(axes, points / span);
 }
 
-/** Work of the sent force on the hand (J), over [until - seconds, until]: the sum of F . v dt. */
+/** Work of the sent force on the hand (J), over [until - seconds, until]: the sum of F_k . (p_k+1 - p_k). A cycle's force is held until
+    the next, so this is its work, delay included; a filtered velocity would come too late. */
 export function energyInto(history: History, seconds: number, until = history.last): number {
-  const { vx, vy, vz, fx, fy, fz } = history.columns;
+  const { px, py, pz, fx, fy, fz } = history.columns;
   let sum = 0;
   let before = -1;
   for (let k = history.find(until - seconds); k < history.held; k++) {
     const place = history.place(k);
     if (history.t[place] > until) break;
-    if (before >= 0) {
-      const dt = history.t[place] - history.t[before];
-      // A hole in the reports says nothing about the time between.
-      if (dt < 0.05) sum += dt * (fx[before] * vx[place] + fy[before] * vy[place] + fz[before] * vz[place]);
-    }
+    // A hole in the reports says nothing about the time between.
+    if (before >= 0 && history.t[place] - history.t[before] < 0.05)
+      sum += fx[before] * (px[place] - px[before]) + fy[before] * (py[place] - py[before]) + fz[before] * (pz[place] - pz[before]);
     before = place;
   }
   return sum;

@@ -42,14 +42,18 @@ export interface Drawing {
 export class Paint {
   readonly face: MeshLambertMaterial;
   readonly line: LineBasicMaterial;
+  /** Of what only says how far something reaches. */
+  readonly thin: LineBasicMaterial;
   constructor(colour: number, opacity: number) {
-    this.face = new MeshLambertMaterial({ color: colour, transparent: true, opacity, side: DoubleSide, depthWrite: opacity > 0.8 });
+    this.face = new MeshLambertMaterial({ color: colour, transparent: true, opacity, side: DoubleSide, forceSinglePass: true, depthWrite: opacity > 0.8 });
     this.line = new LineBasicMaterial({ color: colour, transparent: true, opacity: Math.min(1, opacity + 0.35) });
+    this.thin = new LineBasicMaterial({ color: colour, transparent: true, opacity: 0.3 });
+    this.thin.userData.opacity = 0.3;
     this.face.userData.opacity = opacity;
     this.line.userData.opacity = this.line.opacity;
   }
   set(colour: number, share: number): void {
-    for (const material of [this.face, this.line]) {
+    for (const material of [this.face, this.line, this.thin]) {
       material.color.setHex(colour);
       material.opacity = (material.userData.opacity as number) * share;
     }

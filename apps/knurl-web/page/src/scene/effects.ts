@@ -50,7 +50,7 @@ export function spring(paint: Paint): Drawing {
 export function magnet(paint: Paint): Drawing {
   const root = new Group();
   const core = new Mesh(new SphereGeometry(1, 24, 16), paint.face);
-  const reach = lines(rings(), paint.line);
+  const reach = lines(rings(), paint.thin);
   const pull = lines([0, 0, 0, 0, 0, 1], paint.line);
   pull.frustumCulled = false;
   root.add(core, reach, pull);
@@ -163,7 +163,7 @@ function fade(x: number): number {
 export function taylor(paint: Paint): Drawing {
   const root = new Group();
   const field = new LineSegments(new BufferGeometry(), paint.line);
-  const rim = lines(rings(), paint.line);
+  const rim = lines(rings(), paint.thin);
   root.add(field, rim);
   return {
     root,

@@ -31,6 +31,15 @@ export interface ViewEvents {
   say(level: string, text: string): void;
 }
 
+/** A processor draws, not a graphics card: smooth edges would cost it most of its frames. */
+function drawnInSoftware(): boolean {
+  const context = document.createElement("canvas").getContext("webgl2");
+  const extension = context?.getExtension("WEBGL_debug_renderer_info");
+  const by = context && extension ? String(context.getParameter(extension.UNMASKED_RENDERER_WEBGL)) : "";
+  context?.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|software|softpipe/i.test(by);
+}
+
 export class View {
   readonly scene = new Scene();
   readonly camera = new PerspectiveCamera(40, 1, 1e-4, 100);
@@ -47,6 +56,7 @@ export class View {
   private grip: { device: Device; plane: Plane; item: SeenItem | null; from: Vector3; sent: Vector3 } | null = null;
   private readonly gizmo: CanvasRenderingContext2D | null;
   hovered = "";
+  private by: string | null = null;
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
@@ -58,8 +68,9 @@ export class View {
     this.camera.up.set(0, 0, 1);
     this.camera.position.set(0.4, 0, 0.12); // where the user sits
     try {
-      this.renderer = new WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: false });
-      this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio));
+      const soft = drawnInSoftware();
+      this.renderer = new WebGLRenderer({ canvas, antialias: !soft });
+      this.renderer.setPixelRatio(soft ? 1 : Math.min(2, window.devicePixelRatio));
     } catch {
       events.say("error", "This browser gives no WebGL, so nothing is drawn in 3D; charts, panel and playground work.");
     }
@@ -447,12 +458,16 @@ export class View {
   }
   /** Of the software or hardware that draws. */
   get info(): { triangles: number; calls: number; by: string } {
-    const context = this.renderer?.getContext();
-    const extension = context?.getExtension("WEBGL_debug_renderer_info");
+    if (this.by === null) {
+      // Asked once: the answer waits for all that is being drawn.
+      const context = this.renderer?.getContext();
+      const extension = context?.getExtension("WEBGL_debug_renderer_info");
+      this.by = context && extension ? String(context.getParameter(extension.UNMASKED_RENDERER_WEBGL)) : "";
+    }
     return {
       triangles: this.renderer?.info.render.triangles ?? 0,
       calls: this.renderer?.info.render.calls ?? 0,
-      by: context && extension ? String(context.getParameter(extension.UNMASKED_RENDERER_WEBGL)) : "",
+      by: this.by,
     };
   }
 }
