@@ -1,0 +1,4243 @@
+"use strict";(()=>{var ey="uplot",ty="u-hz",ny="u-vt",iy="u-title",sy="u-wrap",ry="u-under",oy="u-over",ay="u-axis",yr="u-off",ly="u-select",cy="u-cursor-x",hy="u-cursor-y",uy="u-cursor-pt",fy="u-legend",dy="u-live",py="u-inline",my="u-series",gy="u-marker",sp="u-label",_y="u-value",oa="width",aa="height";var rp="bottom",Qr="left",lu="right",Au="#000",op=Au+"0",cu="mousemove",ap="mousedown",hu="mouseup",lp="mouseenter",cp="mouseleave",hp="dblclick",yy="resize",xy="scroll",up="change",gl="dppxchange",Eu="--",oo=typeof window<"u",mu=oo?document:null,to=oo?window:null,vy=oo?navigator:null,Ct,fl;function gu(){let i=devicePixelRatio;Ct!=i&&(Ct=i,fl&&yu(up,fl,gu),fl=matchMedia(`(min-resolution: ${Ct-.001}dppx) and (max-resolution: ${Ct+.001}dppx)`),xr(up,fl,gu),to.dispatchEvent(new CustomEvent(gl)))}function _i(i,e){if(e!=null){let t=i.classList;!t.contains(e)&&t.add(e)}}function _u(i,e){let t=i.classList;t.contains(e)&&t.remove(e)}function Kt(i,e,t){i.style[e]=t+"px"}function Gi(i,e,t,n){let s=mu.createElement(i);return e!=null&&_i(s,e),t?.insertBefore(s,n),s}function Pi(i,e){return Gi("div",i,e)}var fp=new WeakMap;function ls(i,e,t,n,s){let r="translate("+e+"px,"+t+"px)",o=fp.get(i);r!=o&&(i.style.transform=r,fp.set(i,r),e<0||t<0||e>n||t>s?_i(i,yr):_u(i,yr))}var dp=new WeakMap;function pp(i,e,t){let n=e+t,s=dp.get(i);n!=s&&(dp.set(i,n),i.style.background=e,i.style.borderColor=t)}var mp=new WeakMap;function gp(i,e,t,n){let s=e+""+t,r=mp.get(i);s!=r&&(mp.set(i,s),i.style.height=t+"px",i.style.width=e+"px",i.style.marginLeft=n?-e/2+"px":0,i.style.marginTop=n?-t/2+"px":0)}var Tu={passive:!0},by={...Tu,capture:!0};function xr(i,e,t,n){e.addEventListener(i,t,n?by:Tu)}function yu(i,e,t,n){e.removeEventListener(i,t,Tu)}oo&&gu();function Wi(i,e,t,n){let s;t=t||0,n=n||e.length-1;let r=n<=2147483647;for(;n-t>1;)s=r?t+n>>1:yi((t+n)/2),e[s]<i?t=s:n=s;return i-e[t]<=e[n]-i?t:n}function Wp(i){return(t,n,s)=>{let r=-1,o=-1;for(let a=n;a<=s;a++)if(i(t[a])){r=a;break}for(let a=s;a>=n;a--)if(i(t[a])){o=a;break}return[r,o]}}var Xp=i=>i!=null,$p=i=>i!=null&&i>0,xl=Wp(Xp),My=Wp($p);function Sy(i,e,t,n=0,s=!1){let r=s?My:xl,o=s?$p:Xp;[e,t]=r(i,e,t);let a=i[e],l=i[e];if(e>-1)if(n==1)a=i[e],l=i[t];else if(n==-1)a=i[t],l=i[e];else for(let c=e;c<=t;c++){let h=i[c];o(h)&&(h<a?a=h:h>l&&(l=h))}return[a??Ht,l??-Ht]}function vl(i,e,t,n){let s=xp(i),r=xp(e);i==e&&(s==-1?(i*=t,e/=t):(i/=t,e*=t));let o=t==10?Ss:qp,a=s==1?yi:Li,l=r==1?Li:yi,c=a(o(Rn(i))),h=l(o(Rn(e))),u=no(t,c),f=no(t,h);return t==10&&(c<0&&(u=Gt(u,-c)),h<0&&(f=Gt(f,-h))),n||t==2?(i=u*s,e=f*r):(i=Jp(i,u),e=bl(e,f)),[i,e]}function Cu(i,e,t,n){let s=vl(i,e,t,n);return i==0&&(s[0]=0),e==0&&(s[1]=0),s}var Ru=.1,_p={mode:3,pad:Ru},ca={pad:0,soft:null,mode:0},wy={min:ca,max:ca};function _l(i,e,t,n){return Ml(t)?yp(i,e,t):(ca.pad=t,ca.soft=n?0:null,ca.mode=n?3:0,yp(i,e,wy))}function wt(i,e){return i??e}function Ay(i,e,t){for(e=wt(e,0),t=wt(t,i.length-1);e<=t;){if(i[e]!=null)return!0;e++}return!1}function yp(i,e,t){let n=t.min,s=t.max,r=wt(n.pad,0),o=wt(s.pad,0),a=wt(n.hard,-Ht),l=wt(s.hard,Ht),c=wt(n.soft,Ht),h=wt(s.soft,-Ht),u=wt(n.mode,0),f=wt(s.mode,0),p=e-i,g=Ss(p),x=ni(Rn(i),Rn(e)),m=Ss(x),d=Rn(m-g);(p<1e-24||d>10)&&(p=0,(i==0||e==0)&&(p=1e-24,u==2&&c!=Ht&&(r=0),f==2&&h!=-Ht&&(o=0)));let _=p||x||1e3,w=Ss(_),b=no(10,yi(w)),E=_*(p==0?i==0?.1:1:r),S=Gt(Jp(i-E,b/10),24),y=i>=c&&(u==1||u==3&&S<=c||u==2&&S>=c)?c:Ht,M=ni(a,S<y&&i>=y?y:Xi(y,S)),I=_*(p==0?e==0?.1:1:o),R=Gt(bl(e+I,b/10),24),P=e<=h&&(f==1||f==3&&R>=h||f==2&&R<=h)?h:-Ht,O=Xi(l,R>P&&e<=P?P:ni(P,R));return M==O&&M==0&&(O=100),[M,O]}var Ey=new Intl.NumberFormat(oo?vy.language:"en-US"),Iu=i=>Ey.format(i),xi=Math,ml=xi.PI,Rn=xi.abs,yi=xi.floor,Cn=xi.round,Li=xi.ceil,Xi=xi.min,ni=xi.max,no=xi.pow,xp=xi.sign,Ss=xi.log10,qp=xi.log2,Ty=(i,e=1)=>xi.sinh(i)*e,uu=(i,e=1)=>xi.asinh(i/e),Ht=1/0;function vp(i){return(Ss((i^i>>31)-(i>>31))|0)+1}function xu(i,e,t){return Xi(ni(i,e),t)}function Yp(i){return typeof i=="function"}function xt(i){return Yp(i)?i:()=>i}var Cy=()=>{},Zp=i=>i,Kp=(i,e)=>e,Ry=i=>null,bp=i=>!0,Mp=(i,e)=>i==e,Iy=/\.\d*?(?=9{6,}|0{6,})/gm,vr=i=>{if(Qp(i)||$s.has(i))return i;let e=`${i}`,t=e.match(Iy);if(t==null)return i;let n=t[0].length-1;if(e.indexOf("e-")!=-1){let[s,r]=e.split("e");return+`${vr(s)}e${r}`}return Gt(i,n)};function gr(i,e){return vr(Gt(vr(i/e))*e)}function bl(i,e){return vr(Li(vr(i/e))*e)}function Jp(i,e){return vr(yi(vr(i/e))*e)}function Gt(i,e=0){if(Qp(i))return i;let t=10**e,n=i*t*(1+Number.EPSILON);return Cn(n)/t}var $s=new Map;function jp(i){return((""+i).split(".")[1]||"").length}function ua(i,e,t,n){let s=[],r=n.map(jp);for(let o=e;o<t;o++){let a=Rn(o),l=Gt(no(i,o),a);for(let c=0;c<n.length;c++){let h=i==10?+`${n[c]}e${o}`:n[c]*l,u=(o>=0?0:a)+(o>=r[c]?0:r[c]),f=i==10?h:Gt(h,u);s.push(f),$s.set(f,u)}}return s}var ha={},Pu=[],io=[null,null],Xs=Array.isArray,Qp=Number.isInteger,Py=i=>i===void 0;function Sp(i){return typeof i=="string"}function Ml(i){let e=!1;if(i!=null){let t=i.constructor;e=t==null||t==Object}return e}function Ly(i){return i!=null&&typeof i=="object"}var Dy=Object.getPrototypeOf(Uint8Array),em="__proto__";function so(i,e=Ml){let t;if(Xs(i)){let n=i.find(s=>s!=null);if(Xs(n)||e(n)){t=Array(i.length);for(let s=0;s<i.length;s++)t[s]=so(i[s],e)}else t=i.slice()}else if(i instanceof Dy)t=i.slice();else if(e(i)){t={};for(let n in i)n!=em&&(t[n]=so(i[n],e))}else t=i;return t}function Mn(i){let e=arguments;for(let t=1;t<e.length;t++){let n=e[t];for(let s in n)s!=em&&(Ml(i[s])?Mn(i[s],so(n[s])):i[s]=so(n[s]))}return i}var Ny=0,Uy=1,Fy=2;function Oy(i,e,t){for(let n=0,s,r=-1;n<e.length;n++){let o=e[n];if(o>r){for(s=o-1;s>=0&&i[s]==null;)i[s--]=null;for(s=o+1;s<t&&i[s]==null;)i[r=s++]=null}}}function By(i,e){if(Vy(i)){let o=i[0].slice();for(let a=1;a<i.length;a++)o.push(...i[a].slice(1));return Hy(o[0])||(o=zy(o)),o}let t=new Set;for(let o=0;o<i.length;o++){let l=i[o][0],c=l.length;for(let h=0;h<c;h++)t.add(l[h])}let n=[Array.from(t).sort((o,a)=>o-a)],s=n[0].length,r=new Map;for(let o=0;o<s;o++)r.set(n[0][o],o);for(let o=0;o<i.length;o++){let a=i[o],l=a[0];for(let c=1;c<a.length;c++){let h=a[c],u=Array(s).fill(void 0),f=e?e[o][c]:Uy,p=[];for(let g=0;g<h.length;g++){let x=h[g],m=r.get(l[g]);x===null?f!=Ny&&(u[m]=x,f==Fy&&p.push(m)):u[m]=x}Oy(u,p,s),n.push(u)}}return n}var ky=typeof queueMicrotask>"u"?i=>Promise.resolve().then(i):queueMicrotask;function zy(i){let e=i[0],t=e.length,n=Array(t);for(let r=0;r<n.length;r++)n[r]=r;n.sort((r,o)=>e[r]-e[o]);let s=[];for(let r=0;r<i.length;r++){let o=i[r],a=Array(t);for(let l=0;l<t;l++)a[l]=o[n[l]];s.push(a)}return s}function Vy(i){let e=i[0][0],t=e.length;for(let n=1;n<i.length;n++){let s=i[n][0];if(s.length!=t)return!1;if(s!=e){for(let r=0;r<t;r++)if(s[r]!=e[r])return!1}}return!0}function Hy(i,e=100){let t=i.length;if(t<=1)return!0;let n=0,s=t-1;for(;n<=s&&i[n]==null;)n++;for(;s>=n&&i[s]==null;)s--;if(s<=n)return!0;let r=ni(1,yi((s-n+1)/e));for(let o=i[n],a=n+r;a<=s;a+=r){let l=i[a];if(l!=null){if(l<=o)return!1;o=l}}return!0}var tm=["January","February","March","April","May","June","July","August","September","October","November","December"],nm=["Sunday","Monday","Tuesday","Wednesday","Thursday","Friday","Saturday"];function im(i){return i.slice(0,3)}var Gy=nm.map(im),Wy=tm.map(im),Xy={MMMM:tm,MMM:Wy,WWWW:nm,WWW:Gy};function ra(i){return(i<10?"0":"")+i}function $y(i){return(i<10?"00":i<100?"0":"")+i}var qy={YYYY:i=>i.getFullYear(),YY:i=>(i.getFullYear()+"").slice(2),MMMM:(i,e)=>e.MMMM[i.getMonth()],MMM:(i,e)=>e.MMM[i.getMonth()],MM:i=>ra(i.getMonth()+1),M:i=>i.getMonth()+1,DD:i=>ra(i.getDate()),D:i=>i.getDate(),WWWW:(i,e)=>e.WWWW[i.getDay()],WWW:(i,e)=>e.WWW[i.getDay()],HH:i=>ra(i.getHours()),H:i=>i.getHours(),h:i=>{let e=i.getHours();return e==0?12:e>12?e-12:e},AA:i=>i.getHours()>=12?"PM":"AM",aa:i=>i.getHours()>=12?"pm":"am",a:i=>i.getHours()>=12?"p":"a",mm:i=>ra(i.getMinutes()),m:i=>i.getMinutes(),ss:i=>ra(i.getSeconds()),s:i=>i.getSeconds(),fff:i=>$y(i.getMilliseconds())};function Lu(i,e){e=e||Xy;let t=[],n=/\{([a-z]+)\}|[^{]+/gi,s;for(;s=n.exec(i);)t.push(s[0][0]=="{"?qy[s[1]]:s[0]);return r=>{let o="";for(let a=0;a<t.length;a++)o+=typeof t[a]=="string"?t[a]:t[a](r,e);return o}}var Yy=new Intl.DateTimeFormat().resolvedOptions().timeZone;function Zy(i,e){let t;return e=="UTC"||e=="Etc/UTC"?t=new Date(+i+i.getTimezoneOffset()*6e4):e==Yy?t=i:(t=new Date(i.toLocaleString("en-US",{timeZone:e})),t.setMilliseconds(i.getMilliseconds())),t}var sm=i=>i%1==0,yl=[1,2,2.5,5],Ky=ua(10,-32,0,yl),rm=ua(10,0,32,yl),Jy=rm.filter(sm),_r=Ky.concat(rm),Du=`
+`,om="{YYYY}",wp=Du+om,am="{M}/{D}",la=Du+am,dl=la+"/{YY}",lm="{aa}",jy="{h}:{mm}",eo=jy+lm,Ap=Du+eo,Ep=":{ss}",Lt=null;function cm(i){let e=i*1e3,t=e*60,n=t*60,s=n*24,r=s*30,o=s*365,l=(i==1?ua(10,0,3,yl).filter(sm):ua(10,-3,0,yl)).concat([e,e*5,e*10,e*15,e*30,t,t*5,t*10,t*15,t*30,n,n*2,n*3,n*4,n*6,n*8,n*12,s,s*2,s*3,s*4,s*5,s*6,s*7,s*8,s*9,s*10,s*15,r,r*2,r*3,r*4,r*6,o,o*2,o*5,o*10,o*25,o*50,o*100]),c=[[o,om,Lt,Lt,Lt,Lt,Lt,Lt,1],[s*28,"{MMM}",wp,Lt,Lt,Lt,Lt,Lt,1],[s,am,wp,Lt,Lt,Lt,Lt,Lt,1],[n,"{h}"+lm,dl,Lt,la,Lt,Lt,Lt,1],[t,eo,dl,Lt,la,Lt,Lt,Lt,1],[e,Ep,dl+" "+eo,Lt,la+" "+eo,Lt,Ap,Lt,1],[i,Ep+".{fff}",dl+" "+eo,Lt,la+" "+eo,Lt,Ap,Lt,1]];function h(u){return(f,p,g,x,m,d)=>{let _=[],w=m>=o,b=m>=r&&m<o,E=u(g),S=Gt(E*i,3),y=fu(E.getFullYear(),w?0:E.getMonth(),b||w?1:E.getDate()),M=Gt(y*i,3);if(b||w){let I=b?m/r:0,R=w?m/o:0,P=S==M?S:Gt(fu(y.getFullYear()+R,y.getMonth()+I,1)*i,3),O=new Date(Cn(P/i)),V=O.getFullYear(),L=O.getMonth();for(let B=0;P<=x;B++){let X=fu(V+R*B,L+I*B,1),G=X-u(Gt(X*i,3));P=Gt((+X+G)*i,3),P<=x&&_.push(P)}}else{let I=m>=s?s:m,R=yi(g)-yi(S),P=M+R+bl(S-M,I);_.push(P);let O=u(P),V=O.getHours()+O.getMinutes()/t+O.getSeconds()/n,L=m/n,B=f.axes[p]._space,X=d/B;for(;P=Gt(P+m,i==1?0:3),!(P>x);)if(L>1){let G=yi(Gt(V+L,6))%24,j=u(P).getHours()-G;j>1&&(j=-1),P-=j*n,V=(V+L)%24;let ne=_[_.length-1];Gt((P-ne)/m,3)*X>=.7&&_.push(P)}else _.push(P)}return _}}return[l,c,h]}var[Qy,ex,tx]=cm(1),[nx,ix,sx]=cm(.001);ua(2,-53,53,[1]);function Tp(i,e){return i.map(t=>t.map((n,s)=>s==0||s==8||n==null?n:e(s==1||t[8]==0?n:t[1]+n)))}function Cp(i,e){return(t,n,s,r,o)=>{let a=e.find(g=>o>=g[0])||e[e.length-1],l,c,h,u,f,p;return n.map(g=>{let x=i(g),m=x.getFullYear(),d=x.getMonth(),_=x.getDate(),w=x.getHours(),b=x.getMinutes(),E=x.getSeconds(),S=m!=l&&a[2]||d!=c&&a[3]||_!=h&&a[4]||w!=u&&a[5]||b!=f&&a[6]||E!=p&&a[7]||a[1];return l=m,c=d,h=_,u=w,f=b,p=E,S(x)})}}function rx(i,e){let t=Lu(e);return(n,s,r,o,a)=>s.map(l=>t(i(l)))}function fu(i,e,t){return new Date(i,e,t)}function Rp(i,e){return e(i)}var ox="{YYYY}-{MM}-{DD} {h}:{mm}{aa}";function Ip(i,e){return(t,n,s,r)=>r==null?Eu:e(i(n))}function ax(i,e){let t=i.series[e];return t.width?t.stroke(i,e):t.points.width?t.points.stroke(i,e):null}function lx(i,e){return i.series[e].fill(i,e)}var cx={show:!0,live:!0,isolate:!1,mount:Cy,markers:{show:!0,width:2,stroke:ax,fill:lx,dash:"solid"},idx:null,idxs:null,values:[]};function hx(i,e){let t=i.cursor.points,n=Pi(),s=t.size(i,e);Kt(n,oa,s),Kt(n,aa,s);let r=s/-2;Kt(n,"marginLeft",r),Kt(n,"marginTop",r);let o=t.width(i,e,s);return o&&Kt(n,"borderWidth",o),n}function ux(i,e){let t=i.series[e].points;return t._fill||t._stroke}function fx(i,e){let t=i.series[e].points;return t._stroke||t._fill}function dx(i,e){return i.series[e].points.size}var du=[0,0];function px(i,e,t){return du[0]=e,du[1]=t,du}function pl(i,e,t,n=!0){return s=>{s.button==0&&(!n||s.target==e)&&t(s)}}function pu(i,e,t,n=!0){return s=>{(!n||s.target==e)&&t(s)}}var mx={show:!0,x:!0,y:!0,lock:!1,move:px,points:{one:!1,show:hx,size:dx,width:0,stroke:fx,fill:ux},bind:{mousedown:pl,mouseup:pl,click:pl,dblclick:pl,mousemove:pu,mouseleave:pu,mouseenter:pu},drag:{setScale:!0,x:!0,y:!1,dist:0,uni:null,click:(i,e)=>{e.stopPropagation(),e.stopImmediatePropagation()},_x:!1,_y:!1},focus:{dist:(i,e,t,n,s)=>n-s,prox:-1,bias:0},hover:{skip:[void 0],prox:null,bias:0},left:-10,top:-10,idx:null,dataIdx:null,idxs:null,event:null},hm={show:!0,stroke:"rgba(0,0,0,0.07)",width:2},Nu=Mn({},hm,{filter:Kp}),um=Mn({},Nu,{size:10}),fm=Mn({},hm,{show:!1}),Uu='12px system-ui, -apple-system, "Segoe UI", Roboto, "Helvetica Neue", Arial, "Noto Sans", sans-serif, "Apple Color Emoji", "Segoe UI Emoji", "Segoe UI Symbol", "Noto Color Emoji"',dm="bold "+Uu,pm=1.5,Pp={show:!0,scale:"x",stroke:Au,space:50,gap:5,alignTo:1,size:50,labelGap:0,labelSize:30,labelFont:dm,side:2,grid:Nu,ticks:um,border:fm,font:Uu,lineGap:pm,rotate:0},gx="Value",_x="Time",Lp={show:!0,scale:"x",auto:!1,sorted:1,min:Ht,max:-Ht,idxs:[]};function yx(i,e,t,n,s){return e.map(r=>r==null?"":Iu(r))}function xx(i,e,t,n,s,r,o){let a=[],l=$s.get(s)||0;t=o?t:Gt(bl(t,s),l);for(let c=t;c<=n;c=Gt(c+s,l))a.push(Object.is(c,-0)?0:c);return a}function vu(i,e,t,n,s,r,o){let a=[],l=i.scales[i.axes[e].scale].log,c=l==10?Ss:qp,h=yi(c(t));s=no(l,h),l==10&&(s=_r[Wi(s,_r)]);let u=t,f=s*l;l==10&&(f=_r[Wi(f,_r)]);do a.push(u),u=u+s,l==10&&!$s.has(u)&&(u=Gt(u,$s.get(s))),u>=f&&(s=u,f=s*l,l==10&&(f=_r[Wi(f,_r)]));while(u<=n);return a}function vx(i,e,t,n,s,r,o){let l=i.scales[i.axes[e].scale].asinh,c=n>l?vu(i,e,ni(l,t),n,s):[l],h=n>=0&&t<=0?[0]:[];return(t<-l?vu(i,e,ni(l,-n),-t,s):[l]).reverse().map(f=>-f).concat(h,c)}var mm=/./,bx=/[12357]/,Mx=/[125]/,Dp=/1/,bu=(i,e,t,n)=>i.map((s,r)=>e==4&&s==0||r%n==0&&t.test(s.toExponential()[s<0?1:0])?s:null);function Sx(i,e,t,n,s){let r=i.axes[t],o=r.scale,a=i.scales[o],l=i.valToPos,c=r._space,h=l(10,o),u=l(9,o)-h>=c?mm:l(7,o)-h>=c?bx:l(5,o)-h>=c?Mx:Dp;if(u==Dp){let f=Rn(l(1,o)-h);if(f<c)return bu(e.slice().reverse(),a.distr,u,Li(c/f)).reverse()}return bu(e,a.distr,u,1)}function wx(i,e,t,n,s){let r=i.axes[t],o=r.scale,a=r._space,l=i.valToPos,c=Rn(l(1,o)-l(2,o));return c<a?bu(e.slice().reverse(),3,mm,Li(a/c)).reverse():e}function Ax(i,e,t,n){return n==null?Eu:e==null?"":Iu(e)}var Np={show:!0,scale:"y",stroke:Au,space:30,gap:5,alignTo:1,size:50,labelGap:0,labelSize:30,labelFont:dm,side:3,grid:Nu,ticks:um,border:fm,font:Uu,lineGap:pm,rotate:0};function Ex(i,e){let t=3+(i||1)*2;return Gt(t*e,3)}function Tx(i,e){let{scale:t,idxs:n}=i.series[0],s=i._data[0],r=i.valToPos(s[n[0]],t,!0),o=i.valToPos(s[n[1]],t,!0),a=Rn(o-r),l=i.series[e],c=a/(l.points.space*Ct);return n[1]-n[0]<=c}var Up={scale:null,auto:!0,sorted:0,min:Ht,max:-Ht},gm=(i,e,t,n,s)=>s,Fp={show:!0,auto:!0,sorted:0,gaps:gm,alpha:1,facets:[Mn({},Up,{scale:"x"}),Mn({},Up,{scale:"y"})]},Op={scale:"y",auto:!0,sorted:0,show:!0,spanGaps:!1,gaps:gm,alpha:1,points:{show:Tx,filter:null},values:null,min:Ht,max:-Ht,idxs:[],path:null,clip:null};function Cx(i,e,t,n,s){return t/10}var _m={time:!0,auto:!0,distr:1,log:10,asinh:1,min:null,max:null,dir:1,ori:0},Rx=Mn({},_m,{time:!1,ori:1}),Bp={};function ym(i,e){let t=Bp[i];return t||(t={key:i,plots:[],sub(n){t.plots.push(n)},unsub(n){t.plots=t.plots.filter(s=>s!=n)},pub(n,s,r,o,a,l,c){for(let h=0;h<t.plots.length;h++)t.plots[h]!=s&&t.plots[h].pub(n,s,r,o,a,l,c)}},i!=null&&(Bp[i]=t)),t}var ro=1,Mu=2;function br(i,e,t){let n=i.mode,s=i.series[e],r=n==2?i._data[e]:i._data,o=i.scales,a=i.bbox,l=r[0],c=n==2?r[1]:r[e],h=n==2?o[s.facets[0].scale]:o[i.series[0].scale],u=n==2?o[s.facets[1].scale]:o[s.scale],f=a.left,p=a.top,g=a.width,x=a.height,m=i.valToPosH,d=i.valToPosV;return h.ori==0?t(s,l,c,h,u,m,d,f,p,g,x,wl,ao,El,vm,Mm):t(s,l,c,h,u,d,m,p,f,x,g,Al,lo,Bu,bm,Sm)}function Fu(i,e){let t=0,n=0,s=wt(i.bands,Pu);for(let r=0;r<s.length;r++){let o=s[r];o.series[0]==e?t=o.dir:o.series[1]==e&&(o.dir==1?n|=1:n|=2)}return[t,n==1?-1:n==2?1:n==3?2:0]}function Ix(i,e,t,n,s){let r=i.mode,o=i.series[e],a=r==2?o.facets[1].scale:o.scale,l=i.scales[a];return s==-1?l.min:s==1?l.max:l.distr==3?l.dir==1?l.min:l.max:0}function ws(i,e,t,n,s,r){return br(i,e,(o,a,l,c,h,u,f,p,g,x,m)=>{let d=o.pxRound,_=c.dir*(c.ori==0?1:-1),w=c.ori==0?ao:lo,b,E;_==1?(b=t,E=n):(b=n,E=t);let S=d(u(a[b],c,x,p)),y=d(f(l[b],h,m,g)),M=d(u(a[E],c,x,p)),I=d(f(r==1?h.max:h.min,h,m,g)),R=new Path2D(s);return w(R,M,I),w(R,S,I),w(R,S,y),R})}function Sl(i,e,t,n,s,r){let o=null;if(i.length>0){o=new Path2D;let a=e==0?El:Bu,l=t;for(let u=0;u<i.length;u++){let f=i[u];if(f[1]>f[0]){let p=f[0]-l;p>0&&a(o,l,n,p,n+r),l=f[1]}}let c=t+s-l,h=10;c>0&&a(o,l,n-h/2,c,n+r+h)}return o}function Px(i,e,t){let n=i[i.length-1];n&&n[0]==e?n[1]=t:i.push([e,t])}function Ou(i,e,t,n,s,r,o){let a=[],l=i.length;for(let c=s==1?t:n;c>=t&&c<=n;c+=s)if(e[c]===null){let u=c,f=c;if(s==1)for(;++c<=n&&e[c]===null;)f=c;else for(;--c>=t&&e[c]===null;)f=c;let p=r(i[u]),g=f==u?p:r(i[f]),x=u-s;p=o<=0&&x>=0&&x<l?r(i[x]):p;let d=f+s;g=o>=0&&d>=0&&d<l?r(i[d]):g,g>=p&&a.push([p,g])}return a}function kp(i){return i==0?Zp:i==1?Cn:e=>gr(e,i)}function xm(i){let e=i==0?wl:Al,t=i==0?(s,r,o,a,l,c)=>{s.arcTo(r,o,a,l,c)}:(s,r,o,a,l,c)=>{s.arcTo(o,r,l,a,c)},n=i==0?(s,r,o,a,l)=>{s.rect(r,o,a,l)}:(s,r,o,a,l)=>{s.rect(o,r,l,a)};return(s,r,o,a,l,c=0,h=0)=>{c==0&&h==0?n(s,r,o,a,l):(c=Xi(c,a/2,l/2),h=Xi(h,a/2,l/2),e(s,r+c,o),t(s,r+a,o,r+a,o+l,c),t(s,r+a,o+l,r,o+l,h),t(s,r,o+l,r,o,h),t(s,r,o,r+a,o,c),s.closePath())}}var wl=(i,e,t)=>{i.moveTo(e,t)},Al=(i,e,t)=>{i.moveTo(t,e)},ao=(i,e,t)=>{i.lineTo(e,t)},lo=(i,e,t)=>{i.lineTo(t,e)},El=xm(0),Bu=xm(1),vm=(i,e,t,n,s,r)=>{i.arc(e,t,n,s,r)},bm=(i,e,t,n,s,r)=>{i.arc(t,e,n,s,r)},Mm=(i,e,t,n,s,r,o)=>{i.bezierCurveTo(e,t,n,s,r,o)},Sm=(i,e,t,n,s,r,o)=>{i.bezierCurveTo(t,e,s,n,o,r)};function wm(i){return(e,t,n,s,r)=>br(e,t,(o,a,l,c,h,u,f,p,g,x,m)=>{let{pxRound:d,points:_}=o,w,b;c.ori==0?(w=wl,b=vm):(w=Al,b=bm);let E=Gt(_.width*Ct,3),S=(_.size-_.width)/2*Ct,y=Gt(S*2,3),M=new Path2D,I=new Path2D,{left:R,top:P,width:O,height:V}=e.bbox;El(I,R-y,P-y,O+y*2,V+y*2);let L=B=>{if(l[B]!=null){let X=d(u(a[B],c,x,p)),G=d(f(l[B],h,m,g));w(M,X+S,G),b(M,X,G,S,0,ml*2)}};if(r)r.forEach(L);else for(let B=n;B<=s;B++)L(B);return{stroke:E>0?M:null,fill:M,clip:I,flags:ro|Mu}})}function Am(i){return(e,t,n,s,r,o)=>{n!=s&&(r!=n&&o!=n&&i(e,t,n),r!=s&&o!=s&&i(e,t,s),i(e,t,o))}}var Lx=Am(ao),Dx=Am(lo);function Em(i){let e=wt(i?.alignGaps,0);return(t,n,s,r)=>br(t,n,(o,a,l,c,h,u,f,p,g,x,m)=>{[s,r]=xl(l,s,r);let d=o.pxRound,_=V=>d(u(V,c,x,p)),w=V=>d(f(V,h,m,g)),b,E;c.ori==0?(b=ao,E=Lx):(b=lo,E=Dx);let S=c.dir*(c.ori==0?1:-1),y={stroke:new Path2D,fill:null,clip:null,band:null,gaps:null,flags:ro},M=y.stroke,I=!1;if(r-s>=x*4){let V=ue=>t.posToVal(ue,c.key,!0),L=null,B=null,X,G,ae,Z=_(a[S==1?s:r]),j=_(a[s]),ne=_(a[r]),fe=V(S==1?j+1:ne-1);for(let ue=S==1?s:r;ue>=s&&ue<=r;ue+=S){let Q=a[ue],ge=(S==1?Q<fe:Q>fe)?Z:_(Q),ye=l[ue];ge==Z?ye!=null?(G=ye,L==null?(b(M,ge,w(G)),X=L=B=G):G<L?L=G:G>B&&(B=G)):ye===null&&(I=!0):(L!=null&&E(M,Z,w(L),w(B),w(X),w(G)),ye!=null?(G=ye,b(M,ge,w(G)),L=B=X=G):(L=B=null,ye===null&&(I=!0)),Z=ge,fe=V(Z+S))}L!=null&&L!=B&&ae!=Z&&E(M,Z,w(L),w(B),w(X),w(G))}else for(let V=S==1?s:r;V>=s&&V<=r;V+=S){let L=l[V];L===null?I=!0:L!=null&&b(M,_(a[V]),w(L))}let[P,O]=Fu(t,n);if(o.fill!=null||P!=0){let V=y.fill=new Path2D(M),L=o.fillTo(t,n,o.min,o.max,P),B=w(L),X=_(a[s]),G=_(a[r]);S==-1&&([G,X]=[X,G]),b(V,G,B),b(V,X,B)}if(!o.spanGaps){let V=[];I&&V.push(...Ou(a,l,s,r,S,_,e)),y.gaps=V=o.gaps(t,n,s,r,V),y.clip=Sl(V,c.ori,p,g,x,m)}return O!=0&&(y.band=O==2?[ws(t,n,s,r,M,-1),ws(t,n,s,r,M,1)]:ws(t,n,s,r,M,O)),y})}function Nx(i){let e=wt(i.align,1),t=wt(i.ascDesc,!1),n=wt(i.alignGaps,0),s=wt(i.extend,!1);return(r,o,a,l)=>br(r,o,(c,h,u,f,p,g,x,m,d,_,w)=>{[a,l]=xl(u,a,l);let b=c.pxRound,{left:E,width:S}=r.bbox,y=j=>b(g(j,f,_,m)),M=j=>b(x(j,p,w,d)),I=f.ori==0?ao:lo,R={stroke:new Path2D,fill:null,clip:null,band:null,gaps:null,flags:ro},P=R.stroke,O=f.dir*(f.ori==0?1:-1),V=M(u[O==1?a:l]),L=y(h[O==1?a:l]),B=L,X=L;s&&e==-1&&(X=E,I(P,X,V)),I(P,L,V);for(let j=O==1?a:l;j>=a&&j<=l;j+=O){let ne=u[j];if(ne==null)continue;let fe=y(h[j]),ue=M(ne);e==1?I(P,fe,V):I(P,B,ue),I(P,fe,ue),V=ue,B=fe}let G=B;s&&e==1&&(G=E+S,I(P,G,V));let[ae,Z]=Fu(r,o);if(c.fill!=null||ae!=0){let j=R.fill=new Path2D(P),ne=c.fillTo(r,o,c.min,c.max,ae),fe=M(ne);I(j,G,fe),I(j,X,fe)}if(!c.spanGaps){let j=[];j.push(...Ou(h,u,a,l,O,y,n));let ne=c.width*Ct/2,fe=t||e==1?ne:-ne,ue=t||e==-1?-ne:ne;j.forEach(Q=>{Q[0]+=fe,Q[1]+=ue}),R.gaps=j=c.gaps(r,o,a,l,j),R.clip=Sl(j,f.ori,m,d,_,w)}return Z!=0&&(R.band=Z==2?[ws(r,o,a,l,P,-1),ws(r,o,a,l,P,1)]:ws(r,o,a,l,P,Z)),R})}function zp(i,e,t,n,s,r,o=Ht){if(i.length>1){let a=null;for(let l=0,c=1/0;l<i.length;l++)if(e[l]!==void 0){if(a!=null){let h=Rn(i[l]-i[a]);h<c&&(c=h,o=Rn(t(i[l],n,s,r)-t(i[a],n,s,r)))}a=l}}return o}function Ux(i){i=i||ha;let e=wt(i.size,[.6,Ht,1]),t=i.align||0,n=i.gap||0,s=i.radius;s=s==null?[0,0]:typeof s=="number"?[s,0]:s;let r=xt(s),o=1-e[0],a=wt(e[1],Ht),l=wt(e[2],1),c=wt(i.disp,ha),h=wt(i.each,p=>{}),{fill:u,stroke:f}=c;return(p,g,x,m)=>br(p,g,(d,_,w,b,E,S,y,M,I,R,P)=>{let O=d.pxRound,V=t,L=n*Ct,B=a*Ct,X=l*Ct,G,ae;b.ori==0?[G,ae]=r(p,g):[ae,G]=r(p,g);let Z=b.dir*(b.ori==0?1:-1),j=b.ori==0?El:Bu,ne=b.ori==0?h:(Re,Ze,ot,we,Vt,Ge,$e)=>{h(Re,Ze,ot,Vt,we,$e,Ge)},fe=wt(p.bands,Pu).find(Re=>Re.series[0]==g),ue=fe!=null?fe.dir:0,Q=d.fillTo(p,g,d.min,d.max,ue),me=O(y(Q,E,P,I)),ge,ye,_e,He=R,Ke=O(d.width*Ct),Oe=!1,it=null,at=null,st=null,jt=null;u!=null&&(Ke==0||f!=null)&&(Oe=!0,it=u.values(p,g,x,m),at=new Map,new Set(it).forEach(Re=>{Re!=null&&at.set(Re,new Path2D)}),Ke>0&&(st=f.values(p,g,x,m),jt=new Map,new Set(st).forEach(Re=>{Re!=null&&jt.set(Re,new Path2D)})));let{x0:Wt,size:gn}=c;if(Wt!=null&&gn!=null){V=1,_=Wt.values(p,g,x,m),Wt.unit==2&&(_=_.map(ot=>p.posToVal(M+ot*R,b.key,!0)));let Re=gn.values(p,g,x,m);gn.unit==2?ye=Re[0]*R:ye=S(Re[0],b,R,M)-S(0,b,R,M),He=zp(_,w,S,b,R,M,He),_e=He-ye+L}else He=zp(_,w,S,b,R,M,He),_e=He*o+L,ye=He-_e;_e<1&&(_e=0),Ke>=ye/2&&(Ke=0),_e<5&&(O=Zp);let kt=_e>0,Dn=He-_e-(kt?Ke:0);ye=O(xu(Dn,X,B)),ge=(V==0?ye/2:V==Z?0:ye)-V*Z*((V==0?L/2:0)+(kt?Ke/2:0));let bt={stroke:null,fill:null,clip:null,band:null,gaps:null,flags:0},En=Oe?null:new Path2D,rn=null;if(fe!=null)rn=p.data[fe.series[1]];else{let{y0:Re,y1:Ze}=c;Re!=null&&Ze!=null&&(w=Ze.values(p,g,x,m),rn=Re.values(p,g,x,m))}let _n=G*ye,z=ae*ye;for(let Re=Z==1?x:m;Re>=x&&Re<=m;Re+=Z){let Ze=w[Re];if(Ze==null)continue;if(rn!=null){let $=rn[Re]??0;if(Ze-$==0)continue;me=y($,E,P,I)}let ot=b.distr!=2||c!=null?_[Re]:Re,we=S(ot,b,R,M),Vt=y(wt(Ze,Q),E,P,I),Ge=O(we-ge),$e=O(ni(Vt,me)),D=O(Xi(Vt,me)),A=$e-D;if(Ze!=null){let $=Ze<0?z:_n,he=Ze<0?_n:z;Oe?(Ke>0&&st[Re]!=null&&j(jt.get(st[Re]),Ge,D+yi(Ke/2),ye,ni(0,A-Ke),$,he),it[Re]!=null&&j(at.get(it[Re]),Ge,D+yi(Ke/2),ye,ni(0,A-Ke),$,he)):j(En,Ge,D+yi(Ke/2),ye,ni(0,A-Ke),$,he),ne(p,g,Re,Ge-Ke/2,D,ye+Ke,A)}}return Ke>0?bt.stroke=Oe?jt:En:Oe||(bt._fill=d.width==0?d._fill:d._stroke??d._fill,bt.width=0),bt.fill=Oe?at:En,bt})}function Fx(i,e){let t=wt(e?.alignGaps,0);return(n,s,r,o)=>br(n,s,(a,l,c,h,u,f,p,g,x,m,d)=>{[r,o]=xl(c,r,o);let _=a.pxRound,w=G=>_(f(G,h,m,g)),b=G=>_(p(G,u,d,x)),E,S,y;h.ori==0?(E=wl,y=ao,S=Mm):(E=Al,y=lo,S=Sm);let M=h.dir*(h.ori==0?1:-1),I=w(l[M==1?r:o]),R=I,P=[],O=[];for(let G=M==1?r:o;G>=r&&G<=o;G+=M)if(c[G]!=null){let Z=l[G],j=w(Z);P.push(R=j),O.push(b(c[G]))}let V={stroke:i(P,O,E,y,S,_),fill:null,clip:null,band:null,gaps:null,flags:ro},L=V.stroke,[B,X]=Fu(n,s);if(a.fill!=null||B!=0){let G=V.fill=new Path2D(L),ae=a.fillTo(n,s,a.min,a.max,B),Z=b(ae);y(G,R,Z),y(G,I,Z)}if(!a.spanGaps){let G=[];G.push(...Ou(l,c,r,o,M,w,t)),V.gaps=G=a.gaps(n,s,r,o,G),V.clip=Sl(G,h.ori,g,x,m,d)}return X!=0&&(V.band=X==2?[ws(n,s,r,o,L,-1),ws(n,s,r,o,L,1)]:ws(n,s,r,o,L,X)),V})}function Ox(i){return Fx(Bx,i)}function Bx(i,e,t,n,s,r){let o=i.length;if(o<2)return null;let a=new Path2D;if(t(a,i[0],e[0]),o==2)n(a,i[1],e[1]);else{let l=Array(o),c=Array(o-1),h=Array(o-1),u=Array(o-1);for(let f=0;f<o-1;f++)h[f]=e[f+1]-e[f],u[f]=i[f+1]-i[f],c[f]=h[f]/u[f];l[0]=c[0];for(let f=1;f<o-1;f++)c[f]===0||c[f-1]===0||c[f-1]>0!=c[f]>0?l[f]=0:(l[f]=3*(u[f-1]+u[f])/((2*u[f]+u[f-1])/c[f-1]+(u[f]+2*u[f-1])/c[f]),isFinite(l[f])||(l[f]=0));l[o-1]=c[o-2];for(let f=0;f<o-1;f++)s(a,i[f]+u[f]/3,e[f]+l[f]*u[f]/3,i[f+1]-u[f]/3,e[f+1]-l[f+1]*u[f]/3,i[f+1],e[f+1])}return a}var Su=new Set;function Vp(){for(let i of Su)i.syncRect(!0)}oo&&(xr(yy,to,Vp),xr(xy,to,Vp,!0),xr(gl,to,()=>{Vn.pxRatio=Ct}));var kx=Em(),zx=wm();function Hp(i,e,t,n){return(n?[i[0],i[1]].concat(i.slice(2)):[i[0]].concat(i.slice(1))).map((r,o)=>wu(r,o,e,t))}function Vx(i,e){return i.map((t,n)=>n==0?{}:Mn({},e,t))}function wu(i,e,t,n){return Mn({},e==0?t:n,i)}function Tm(i,e,t){return e==null?io:[e,t]}var Hx=Tm;function Gx(i,e,t){return e==null?io:_l(e,t,Ru,!0)}function Cm(i,e,t,n){return e==null?io:vl(e,t,i.scales[n].log,!1)}var Wx=Cm;function Rm(i,e,t,n){return e==null?io:Cu(e,t,i.scales[n].log,!1)}var Xx=Rm;function $x(i,e,t,n,s){let r=ni(vp(i),vp(e)),o=e-i,a=Wi(s/n*o,t);do{let l=t[a],c=n*l/o;if(c>=s&&r+(l<5?$s.get(l):0)<=17)return[l,c]}while(++a<t.length);return[0,0]}function Gp(i){let e,t;return i=i.replace(/(\d+)px/,(n,s)=>(e=Cn((t=+s)*Ct))+"px"),[i,e,t]}function qx(i){i.show&&[i.font,i.labelFont].forEach(e=>{let t=Gt(e[2]*Ct,1);e[0]=e[0].replace(/[0-9.]+px/,t+"px"),e[1]=t})}function Vn(i,e,t){let n={mode:wt(i.mode,1)},s=n.mode;function r(v,T,N,U){let W=T.valToPct(v);return U+N*(T.dir==-1?1-W:W)}function o(v,T,N,U){let W=T.valToPct(v);return U+N*(T.dir==-1?W:1-W)}function a(v,T,N,U){return T.ori==0?r(v,T,N,U):o(v,T,N,U)}n.valToPosH=r,n.valToPosV=o;let l=!1;n.status=0;let c=n.root=Pi(ey);if(i.id!=null&&(c.id=i.id),_i(c,i.class),i.title){let v=Pi(iy,c);v.textContent=i.title}let h=Gi("canvas"),u=n.ctx=h.getContext("2d"),f=Pi(sy,c);xr("click",f,v=>{v.target===g&&(qt!=Yr||Qt!=Zr)&&zn.click(n,v)},!0);let p=n.under=Pi(ry,f);f.appendChild(h);let g=n.over=Pi(oy,f);i=so(i);let x=+wt(i.pxAlign,1),m=kp(x);(i.plugins||[]).forEach(v=>{v.opts&&(i=v.opts(n,i)||i)});let d=i.ms||.001,_=n.series=s==1?Hp(i.series||[],Lp,Op,!1):Vx(i.series||[null],Fp),w=n.axes=Hp(i.axes||[],Pp,Np,!0),b=n.scales={},E=n.bands=i.bands||[];E.forEach(v=>{v.fill=xt(v.fill||null),v.dir=wt(v.dir,-1)});let S=s==2?_[1].facets[0].scale:_[0].scale,y={axes:bs,series:dt},M=(i.drawOrder||["axes","series"]).map(v=>y[v]);function I(v){let T=v.distr==3?N=>Ss(N>0?N:v.clamp(n,N,v.min,v.max,v.key)):v.distr==4?N=>uu(N,v.asinh):v.distr==100?N=>v.fwd(N):N=>N;return N=>{let U=T(N),{_min:W,_max:K}=v,oe=K-W;return(U-W)/oe}}function R(v){let T=b[v];if(T==null){let N=(i.scales||ha)[v]||ha;if(N.from!=null){R(N.from);let U=Mn({},b[N.from],N,{key:v});U.valToPct=I(U),b[v]=U}else{T=b[v]=Mn({},v==S?_m:Rx,N),T.key=v;let U=T.time,W=T.range,K=Xs(W);if((v!=S||s==2&&!U)&&(K&&(W[0]==null||W[1]==null)&&(W={min:W[0]==null?_p:{mode:1,hard:W[0],soft:W[0]},max:W[1]==null?_p:{mode:1,hard:W[1],soft:W[1]}},K=!1),!K&&Ml(W))){let oe=W;W=(de,Me,De)=>Me==null?io:_l(Me,De,oe)}T.range=xt(W||(U?Hx:v==S?T.distr==3?Wx:T.distr==4?Xx:Tm:T.distr==3?Cm:T.distr==4?Rm:Gx)),T.auto=xt(K?!1:T.auto),T.clamp=xt(T.clamp||Cx),T._min=T._max=null,T.valToPct=I(T)}}}R("x"),R("y"),s==1&&_.forEach(v=>{R(v.scale)}),w.forEach(v=>{R(v.scale)});for(let v in i.scales)R(v);let P=b[S],O=P.distr,V,L;P.ori==0?(_i(c,ty),V=r,L=o):(_i(c,ny),V=o,L=r);let B={};for(let v in b){let T=b[v];(T.min!=null||T.max!=null)&&(B[v]={min:T.min,max:T.max},T.min=T.max=null)}let X=i.tzDate||(v=>new Date(Cn(v/d))),G=i.fmtDate||Lu,ae=d==1?tx(X):sx(X),Z=Cp(X,Tp(d==1?ex:ix,G)),j=Ip(X,Rp(ox,G)),ne=[],fe=n.legend=Mn({},cx,i.legend),ue=n.cursor=Mn({},mx,{drag:{y:s==2}},i.cursor),Q=fe.show,me=ue.show,ge=fe.markers;fe.idxs=ne,ge.width=xt(ge.width),ge.dash=xt(ge.dash),ge.stroke=xt(ge.stroke),ge.fill=xt(ge.fill);let ye,_e,He,Ke=[],Oe=[],it,at=!1,st={};if(fe.live){let v=_[1]?_[1].values:null;at=v!=null,it=at?v(n,1,0):{_:0};for(let T in it)st[T]=Eu}if(Q)if(ye=Gi("table",fy,c),He=Gi("tbody",null,ye),fe.mount(n,ye),at){_e=Gi("thead",null,ye,He);let v=Gi("tr",null,_e);Gi("th",null,v);for(var jt in it)Gi("th",sp,v).textContent=jt}else _i(ye,py),fe.live&&_i(ye,dy);let Wt={show:!0},gn={show:!1};function kt(v,T){if(T==0&&(at||!fe.live||s==2))return io;let N=[],U=Gi("tr",my,He,He.childNodes[T]);_i(U,v.class),v.show||_i(U,yr);let W=Gi("th",null,U);if(ge.show){let de=Pi(gy,W);if(T>0){let Me=ge.width(n,T);Me&&(de.style.border=Me+"px "+ge.dash(n,T)+" "+ge.stroke(n,T)),de.style.background=ge.fill(n,T)}}let K=Pi(sp,W);v.label instanceof HTMLElement?K.appendChild(v.label):K.textContent=v.label,T>0&&(ge.show||(K.style.color=v.width>0?ge.stroke(n,T):ge.fill(n,T)),bt("click",W,de=>{if(ue._lock)return;je(de);let Me=_.indexOf(v);if((de.ctrlKey||de.metaKey)!=fe.isolate){let De=_.some((Ne,Be)=>Be>0&&Be!=Me&&Ne.show);_.forEach((Ne,Be)=>{Be>0&&ss(Be,De?Be==Me?Wt:gn:Wt,!0,bn.setSeries)})}else ss(Me,{show:!v.show},!0,bn.setSeries)},!1),Qe&&bt(lp,W,de=>{ue._lock||(je(de),ss(_.indexOf(v),Jr,!0,bn.setSeries))},!1));for(var oe in it){let de=Gi("td",_y,U);de.textContent="--",N.push(de)}return[U,N]}let Dn=new Map;function bt(v,T,N,U=!0){let W=Dn.get(T)||{},K=ue.bind[v](n,T,N,U);K&&(xr(v,T,W[v]=K),Dn.set(T,W))}function En(v,T,N){let U=Dn.get(T)||{};for(let W in U)(v==null||W==v)&&(yu(W,T,U[W]),delete U[W]);v==null&&Dn.delete(T)}let rn=0,_n=0,z=0,Re=0,Ze=0,ot=0,we=Ze,Vt=ot,Ge=z,$e=Re,D=0,A=0,$=0,he=0;n.bbox={};let re=!1,ve=!1,be=!1,ee=!1,ie=!1,pe=!1;function k(v,T,N){(N||v!=n.width||T!=n.height)&&se(v,T),ct(!1),be=!0,ve=!0,Wn()}function se(v,T){n.width=rn=z=v,n.height=_n=Re=T,Ze=ot=0,Se(),We();let N=n.bbox;D=N.left=gr(Ze*Ct,.5),A=N.top=gr(ot*Ct,.5),$=N.width=gr(z*Ct,.5),he=N.height=gr(Re*Ct,.5)}let te=3;function Ae(){let v=!1,T=0;for(;!v;){T++;let N=Xr(T),U=is(T);v=T==te||N&&U,v||(se(n.width,n.height),ve=!0)}}function xe({width:v,height:T}){k(v,T)}n.setSize=xe;function Se(){let v=!1,T=!1,N=!1,U=!1;w.forEach((W,K)=>{if(W.show&&W._show){let{side:oe,_size:de}=W,Me=oe%2,De=W.label!=null?W.labelSize:0,Ne=de+De;Ne>0&&(Me?(z-=Ne,oe==3?(Ze+=Ne,U=!0):N=!0):(Re-=Ne,oe==0?(ot+=Ne,v=!0):T=!0))}}),ts[0]=v,ts[1]=N,ts[2]=T,ts[3]=U,z-=zi[1]+zi[3],Ze+=zi[3],Re-=zi[2]+zi[0],ot+=zi[0]}function We(){let v=Ze+z,T=ot+Re,N=Ze,U=ot;function W(K,oe){switch(K){case 1:return v+=oe,v-oe;case 2:return T+=oe,T-oe;case 3:return N-=oe,N+oe;case 0:return U-=oe,U+oe}}w.forEach((K,oe)=>{if(K.show&&K._show){let de=K.side;K._pos=W(de,K._size),K.label!=null&&(K._lpos=W(de,K.labelSize))}})}if(ue.dataIdx==null){let v=ue.hover,T=v.skip=new Set(v.skip??[]);T.add(void 0);let N=v.prox=xt(v.prox),U=v.bias??=0;ue.dataIdx=(W,K,oe,de)=>{if(K==0)return oe;let Me=oe,De=N(W,K,oe,de)??Ht,Ne=De>=0&&De<Ht,Be=P.ori==0?z:Re,rt=ue.left,Tt=e[0],St=e[K];if(T.has(St[oe])){Me=null;let _t=null,Je=null,Xe;if(U==0||U==-1)for(Xe=oe;_t==null&&Xe-- >0;)T.has(St[Xe])||(_t=Xe);if(U==0||U==1)for(Xe=oe;Je==null&&Xe++<St.length;)T.has(St[Xe])||(Je=Xe);if(_t!=null||Je!=null)if(Ne){let Zt=_t==null?-1/0:V(Tt[_t],P,Be,0),ln=Je==null?1/0:V(Tt[Je],P,Be,0),On=rt-Zt,zt=ln-rt;On<=zt?On<=De&&(Me=_t):zt<=De&&(Me=Je)}else Me=Je==null?_t:_t==null?Je:oe-_t<=Je-oe?_t:Je}else Ne&&Rn(rt-V(Tt[oe],P,Be,0))>De&&(Me=null);return Me}}let je=v=>{ue.event=v};ue.idxs=ne,ue._lock=!1;let ce=ue.points;ce.show=xt(ce.show),ce.size=xt(ce.size),ce.stroke=xt(ce.stroke),ce.width=xt(ce.width),ce.fill=xt(ce.fill);let ke=n.focus=Mn({},i.focus||{alpha:.3},ue.focus),Qe=ke.prox>=0,Ce=Qe&&ce.one,lt=[],$t=[],Jn=[];function Jo(v,T){let N=ce.show(n,T);if(N instanceof HTMLElement)return _i(N,uy),_i(N,v.class),ls(N,-10,-10,z,Re),g.insertBefore(N,lt[T]),N}function Hr(v,T){if(s==1||T>0){let N=s==1&&b[v.scale].time,U=v.value;v.value=N?Sp(U)?Ip(X,Rp(U,G)):U||j:U||Ax,v.label=v.label||(N?_x:gx)}if(Ce||T>0){v.width=v.width==null?1:v.width,v.paths=v.paths||kx||Ry,v.fillTo=xt(v.fillTo||Ix),v.pxAlign=+wt(v.pxAlign,x),v.pxRound=kp(v.pxAlign),v.stroke=xt(v.stroke||null),v.fill=xt(v.fill||null),v._stroke=v._fill=v._paths=v._focus=null;let N=Ex(ni(1,v.width),1),U=v.points=Mn({},{size:N,width:ni(1,N*.2),stroke:v.stroke,space:N*2,paths:zx,_stroke:null,_fill:null},v.points);U.show=xt(U.show),U.filter=xt(U.filter),U.fill=xt(U.fill),U.stroke=xt(U.stroke),U.paths=xt(U.paths),U.pxAlign=v.pxAlign}if(Q){let N=kt(v,T);Ke.splice(T,0,N[0]),Oe.splice(T,0,N[1]),fe.values.push(null)}if(me){ne.splice(T,0,null);let N=null;Ce?T==0&&(N=Jo(v,T)):T>0&&(N=Jo(v,T)),lt.splice(T,0,N),$t.splice(T,0,0),Jn.splice(T,0,0)}Fn("addSeries",T)}function jh(v,T){T=T??_.length,v=s==1?wu(v,T,Lp,Op):wu(v,T,{},Fp),_.splice(T,0,v),Hr(_[T],T)}n.addSeries=jh;function ll(v){if(_.splice(v,1),Q){fe.values.splice(v,1),Oe.splice(v,1);let T=Ke.splice(v,1)[0];En(null,T.firstChild),T.remove()}me&&(ne.splice(v,1),lt.splice(v,1)[0].remove(),$t.splice(v,1),Jn.splice(v,1)),Fn("delSeries",v)}n.delSeries=ll;let ts=[!1,!1,!1,!1];function ys(v,T){if(v._show=v.show,v.show){let N=v.side%2,U=b[v.scale];U==null&&(v.scale=N?_[1].scale:S,U=b[v.scale]);let W=U.time;v.size=xt(v.size),v.space=xt(v.space),v.rotate=xt(v.rotate),Xs(v.incrs)&&v.incrs.forEach(oe=>{!$s.has(oe)&&$s.set(oe,jp(oe))}),v.incrs=xt(v.incrs||(U.distr==2?Jy:W?d==1?Qy:nx:_r)),v.splits=xt(v.splits||(W&&U.distr==1?ae:U.distr==3?vu:U.distr==4?vx:xx)),v.stroke=xt(v.stroke),v.grid.stroke=xt(v.grid.stroke),v.ticks.stroke=xt(v.ticks.stroke),v.border.stroke=xt(v.border.stroke);let K=v.values;v.values=Xs(K)&&!Xs(K[0])?xt(K):W?Xs(K)?Cp(X,Tp(K,G)):Sp(K)?rx(X,K):K||Z:K||yx,v.filter=xt(v.filter||(U.distr>=3&&U.log==10?Sx:U.distr==3&&U.log==2?wx:Kp)),v.font=Gp(v.font),v.labelFont=Gp(v.labelFont),v._size=v.size(n,null,T,0),v._space=v._rotate=v._incrs=v._found=v._splits=v._values=null,v._size>0&&(ts[T]=!0,v._el=Pi(ay,f))}}function xs(v,T,N,U){let[W,K,oe,de]=N,Me=T%2,De=0;return Me==0&&(de||K)&&(De=T==0&&!W||T==2&&!oe?Cn(Pp.size/3):0),Me==1&&(W||oe)&&(De=T==1&&!K||T==3&&!de?Cn(Np.size/2):0),De}let jo=n.padding=(i.padding||[xs,xs,xs,xs]).map(v=>xt(wt(v,xs))),zi=n._padding=jo.map((v,T)=>v(n,T,ts,0)),on,dn=null,pn=null,ns=s==1?_[0].idxs:null,di=null,ks=!1;function Qo(v,T){if(e=v??[],n.data=n._data=e,s==2){on=0;for(let N=1;N<_.length;N++)on+=e[N][0].length}else{e.length==0&&(n.data=n._data=e=[[]]),di=e[0],on=di.length;let N=e;if(O==2){N=e.slice();let U=N[0]=Array(on);for(let W=0;W<on;W++)U[W]=W}n._data=e=N}if(ct(!0),Fn("setData"),O==2&&(be=!0),T!==!1){let N=P;N.auto(n,ks)?ea():Hs(S,N.min,N.max),ee=ee||ue.left>=0,pe=!0,Wn()}}n.setData=Qo;function ea(){ks=!0;let v,T;s==1&&(on>0?(dn=ns[0]=0,pn=ns[1]=on-1,v=e[0][dn],T=e[0][pn],O==2?(v=dn,T=pn):v==T&&(O==3?[v,T]=vl(v,v,P.log,!1):O==4?[v,T]=Cu(v,v,P.log,!1):P.time?T=v+Cn(86400/d):[v,T]=_l(v,T,Ru,!0))):(dn=ns[0]=v=null,pn=ns[1]=T=null)),Hs(S,v,T)}let Gr,zs,Wr,C,H,J,q,Y,Ee,Ie;function Te(v,T,N,U,W,K){v??=op,N??=Pu,U??="butt",W??=op,K??="round",v!=Gr&&(u.strokeStyle=Gr=v),W!=zs&&(u.fillStyle=zs=W),T!=Wr&&(u.lineWidth=Wr=T),K!=H&&(u.lineJoin=H=K),U!=J&&(u.lineCap=J=U),N!=C&&u.setLineDash(C=N)}function Pe(v,T,N,U){T!=zs&&(u.fillStyle=zs=T),v!=q&&(u.font=q=v),N!=Y&&(u.textAlign=Y=N),U!=Ee&&(u.textBaseline=Ee=U)}function Ve(v,T,N,U,W=0){if(U.length>0&&v.auto(n,ks)&&(T==null||T.min==null)){let K=wt(dn,0),oe=wt(pn,U.length-1),de=N.min==null?Sy(U,K,oe,W,v.distr==3):[N.min,N.max];v.min=Xi(v.min,N.min=de[0]),v.max=ni(v.max,N.max=de[1])}}let tt={min:null,max:null};function ft(){for(let U in b){let W=b[U];B[U]==null&&(W.min==null||B[S]!=null&&W.auto(n,ks))&&(B[U]=tt)}for(let U in b){let W=b[U];B[U]==null&&W.from!=null&&B[W.from]!=null&&(B[U]=tt)}B[S]!=null&&ct(!0);let v={};for(let U in B){let W=B[U];if(W!=null){let K=v[U]=so(b[U],Ly);if(W.min!=null)Mn(K,W);else if(U!=S||s==2)if(on==0&&K.from==null){let oe=K.range(n,null,null,U);K.min=oe[0],K.max=oe[1]}else K.min=Ht,K.max=-Ht}}if(on>0){_.forEach((U,W)=>{if(s==1){let K=U.scale,oe=B[K];if(oe==null)return;let de=v[K];if(W==0){let Me=de.range(n,de.min,de.max,K);de.min=Me[0],de.max=Me[1],dn=Wi(de.min,e[0]),pn=Wi(de.max,e[0]),pn-dn>1&&(e[0][dn]<de.min&&dn++,e[0][pn]>de.max&&pn--),U.min=di[dn],U.max=di[pn]}else U.show&&U.auto&&Ve(de,oe,U,e[W],U.sorted);U.idxs[0]=dn,U.idxs[1]=pn}else if(W>0&&U.show&&U.auto){let[K,oe]=U.facets,de=K.scale,Me=oe.scale,[De,Ne]=e[W],Be=v[de],rt=v[Me];Be!=null&&Ve(Be,B[de],K,De,K.sorted),rt!=null&&Ve(rt,B[Me],oe,Ne,oe.sorted),U.min=oe.min,U.max=oe.max}});for(let U in v){let W=v[U],K=B[U];if(W.from==null&&(K==null||K.min==null)){let oe=W.range(n,W.min==Ht?null:W.min,W.max==-Ht?null:W.max,U);W.min=oe[0],W.max=oe[1]}}}for(let U in v){let W=v[U];if(W.from!=null){let K=v[W.from];if(K.min==null)W.min=W.max=null;else{let oe=W.range(n,K.min,K.max,U);W.min=oe[0],W.max=oe[1]}}}let T={},N=!1;for(let U in v){let W=v[U],K=b[U];if(K.min!=W.min||K.max!=W.max){K.min=W.min,K.max=W.max;let oe=K.distr;K._min=oe==3?Ss(K.min):oe==4?uu(K.min,K.asinh):oe==100?K.fwd(K.min):K.min,K._max=oe==3?Ss(K.max):oe==4?uu(K.max,K.asinh):oe==100?K.fwd(K.max):K.max,T[U]=N=!0}}if(N){_.forEach((U,W)=>{s==2?W>0&&T.y&&(U._paths=null):T[U.scale]&&(U._paths=null)});for(let U in T)be=!0,Fn("setScale",U);me&&ue.left>=0&&(ee=pe=!0)}for(let U in B)B[U]=null}function ze(v){let T=xu(dn-1,0,on-1),N=xu(pn+1,0,on-1);for(;v[T]==null&&T>0;)T--;for(;v[N]==null&&N<on-1;)N++;return[T,N]}function dt(){if(on>0){let v=_.some(T=>T._focus)&&Ie!=ke.alpha;v&&(u.globalAlpha=Ie=ke.alpha),_.forEach((T,N)=>{if(N>0&&T.show&&(nn(N,!1),nn(N,!0),T._paths==null)){let U=Ie;Ie!=T.alpha&&(u.globalAlpha=Ie=T.alpha);let W=s==2?[0,e[N][0].length-1]:ze(e[N]);T._paths=T.paths(n,N,W[0],W[1]),Ie!=U&&(u.globalAlpha=Ie=U)}}),_.forEach((T,N)=>{if(N>0&&T.show){let U=Ie;Ie!=T.alpha&&(u.globalAlpha=Ie=T.alpha),T._paths!=null&&Ut(N,!1);{let W=T._paths!=null?T._paths.gaps:null,K=T.points.show(n,N,dn,pn,W),oe=T.points.filter(n,N,K,W);(K||oe)&&(T.points._paths=T.points.paths(n,N,dn,pn,oe),Ut(N,!0))}Ie!=U&&(u.globalAlpha=Ie=U),Fn("drawSeries",N)}}),v&&(u.globalAlpha=Ie=1)}}function nn(v,T){let N=T?_[v].points:_[v];N._stroke=N.stroke(n,v),N._fill=N.fill(n,v)}function Ut(v,T){let N=T?_[v].points:_[v],{stroke:U,fill:W,clip:K,flags:oe,_stroke:de=N._stroke,_fill:Me=N._fill,_width:De=N.width}=N._paths;De=Gt(De*Ct,3);let Ne=null,Be=De%2/2;T&&Me==null&&(Me=De>0?"#fff":de);let rt=N.pxAlign==1&&Be>0;if(rt&&u.translate(Be,Be),!T){let Tt=D-De/2,St=A-De/2,_t=$+De,Je=he+De;Ne=new Path2D,Ne.rect(Tt,St,_t,Je)}T?Fe(de,De,N.dash,N.cap,Me,U,W,oe,K):Ft(v,de,De,N.dash,N.cap,Me,U,W,oe,Ne,K),rt&&u.translate(-Be,-Be)}function Ft(v,T,N,U,W,K,oe,de,Me,De,Ne){let Be=!1;Me!=0&&E.forEach((rt,Tt)=>{if(rt.series[0]==v){let St=_[rt.series[1]],_t=e[rt.series[1]],Je=(St._paths||ha).band;Xs(Je)&&(Je=rt.dir==1?Je[0]:Je[1]);let Xe,Zt=null;St.show&&Je&&Ay(_t,dn,pn)?(Zt=rt.fill(n,Tt)||K,Xe=St._paths.clip):Je=null,Fe(T,N,U,W,Zt,oe,de,Me,De,Ne,Xe,Je),Be=!0}}),Be||Fe(T,N,U,W,K,oe,de,Me,De,Ne)}let Tn=ro|Mu;function Fe(v,T,N,U,W,K,oe,de,Me,De,Ne,Be){Te(v,T,N,U,W),(Me||De||Be)&&(u.save(),Me&&u.clip(Me),De&&u.clip(De)),Be?(de&Tn)==Tn?(u.clip(Be),Ne&&u.clip(Ne),yt(W,oe),yn(v,K,T)):de&Mu?(yt(W,oe),u.clip(Be),yn(v,K,T)):de&ro&&(u.save(),u.clip(Be),Ne&&u.clip(Ne),yt(W,oe),u.restore(),yn(v,K,T)):(yt(W,oe),yn(v,K,T)),(Me||De||Be)&&u.restore()}function yn(v,T,N){N>0&&(T instanceof Map?T.forEach((U,W)=>{u.strokeStyle=Gr=W,u.stroke(U)}):T!=null&&v&&u.stroke(T))}function yt(v,T){T instanceof Map?T.forEach((N,U)=>{u.fillStyle=zs=U,u.fill(N)}):T!=null&&v&&u.fill(T)}function vs(v,T,N,U){let W=w[v],K;if(U<=0)K=[0,0];else{let oe=W._space=W.space(n,v,T,N,U),de=W._incrs=W.incrs(n,v,T,N,U,oe);K=$x(T,N,de,U,oe)}return W._found=K}function xn(v,T,N,U,W,K,oe,de,Me,De){let Ne=oe%2/2;x==1&&u.translate(Ne,Ne),Te(de,oe,Me,De,de),u.beginPath();let Be,rt,Tt,St,_t=W+(U==0||U==3?-K:K);N==0?(rt=W,St=_t):(Be=W,Tt=_t);for(let Je=0;Je<v.length;Je++)T[Je]!=null&&(N==0?Be=Tt=v[Je]:rt=St=v[Je],u.moveTo(Be,rt),u.lineTo(Tt,St));u.stroke(),x==1&&u.translate(-Ne,-Ne)}function Xr(v){let T=!0;return w.forEach((N,U)=>{if(!N.show)return;let W=b[N.scale];if(W.min==null){N._show&&(T=!1,N._show=!1,ct(!1));return}else N._show||(T=!1,N._show=!0,ct(!1));let K=N.side,oe=K%2,{min:de,max:Me}=W,[De,Ne]=vs(U,de,Me,oe==0?z:Re);if(Ne==0)return;let Be=W.distr==2,rt=N._splits=N.splits(n,U,de,Me,De,Ne,Be),Tt=W.distr==2?rt.map(Xe=>di[Xe]):rt,St=W.distr==2?di[rt[1]]-di[rt[0]]:De,_t=N._values=N.values(n,N.filter(n,Tt,U,Ne,St),U,Ne,St);N._rotate=K==2?N.rotate(n,_t,U,Ne):0;let Je=N._size;N._size=Li(N.size(n,_t,U,v)),Je!=null&&N._size!=Je&&(T=!1)}),T}function is(v){let T=!0;return jo.forEach((N,U)=>{let W=N(n,U,ts,v);W!=zi[U]&&(T=!1),zi[U]=W}),T}function bs(){for(let v=0;v<w.length;v++){let T=w[v];if(!T.show||!T._show)continue;let N=T.side,U=N%2,W,K,oe=T.stroke(n,v),de=N==0||N==3?-1:1,[Me,De]=T._found;if(T.label!=null){let ei=T.labelGap*de,gi=Cn((T._lpos+ei)*Ct);Pe(T.labelFont[0],oe,"center",N==2?"top":rp),u.save(),U==1?(W=K=0,u.translate(gi,Cn(A+he/2)),u.rotate((N==3?-ml:ml)/2)):(W=Cn(D+$/2),K=gi);let mr=Yp(T.label)?T.label(n,v,Me,De):T.label;u.fillText(mr,W,K),u.restore()}if(De==0)continue;let Ne=b[T.scale],Be=U==0?$:he,rt=U==0?D:A,Tt=T._splits,St=Ne.distr==2?Tt.map(ei=>di[ei]):Tt,_t=Ne.distr==2?di[Tt[1]]-di[Tt[0]]:Me,Je=T.ticks,Xe=T.border,Zt=Je.show?Je.size:0,ln=Cn(Zt*Ct),On=Cn((T.alignTo==2?T._size-Zt-T.gap:T.gap)*Ct),zt=T._rotate*-ml/180,cn=m(T._pos*Ct),pi=(ln+On)*de,Qn=cn+pi;K=U==0?Qn:0,W=U==1?Qn:0;let Ri=T.font[0],Vi=T.align==1?Qr:T.align==2?lu:zt>0?Qr:zt<0?lu:U==0?"center":N==3?lu:Qr,os=zt||U==1?"middle":N==2?"top":rp;Pe(Ri,oe,Vi,os);let mi=T.font[1]*T.lineGap,Ii=Tt.map(ei=>m(a(ei,Ne,Be,rt))),Hi=T._values;for(let ei=0;ei<Hi.length;ei++){let gi=Hi[ei];if(gi!=null){U==0?W=Ii[ei]:K=Ii[ei],gi=""+gi;let mr=gi.indexOf(`
+`)==-1?[gi]:gi.split(/\n/gm);for(let ti=0;ti<mr.length;ti++){let ip=mr[ti];zt?(u.save(),u.translate(W,K+ti*mi),u.rotate(zt),u.fillText(ip,0,0),u.restore()):u.fillText(ip,W,K+ti*mi)}}}Je.show&&xn(Ii,Je.filter(n,St,v,De,_t),U,N,cn,ln,Gt(Je.width*Ct,3),Je.stroke(n,v),Je.dash,Je.cap);let as=T.grid;as.show&&xn(Ii,as.filter(n,St,v,De,_t),U,U==0?2:1,U==0?A:D,U==0?he:$,Gt(as.width*Ct,3),as.stroke(n,v),as.dash,as.cap),Xe.show&&xn([cn],[1],U==0?1:0,U==0?1:2,U==1?A:D,U==1?he:$,Gt(Xe.width*Ct,3),Xe.stroke(n,v),Xe.dash,Xe.cap)}Fn("drawAxes")}function ct(v){_.forEach((T,N)=>{N>0&&(T._paths=null,v&&(s==1?(T.min=null,T.max=null):T.facets.forEach(U=>{U.min=null,U.max=null})))})}let an=!1,jn=!1,Ot=[];function vn(){jn=!1;for(let v=0;v<Ot.length;v++)Fn(...Ot[v]);Ot.length=0}function Wn(){an||(ky(kd),an=!0)}function cl(v,T=!1){an=!0,jn=T,v(n),kd(),T&&Ot.length>0&&queueMicrotask(vn)}n.batch=cl;function kd(){if(re&&(ft(),re=!1),be&&(Ae(),be=!1),ve){if(Kt(p,Qr,Ze),Kt(p,"top",ot),Kt(p,oa,z),Kt(p,aa,Re),Kt(g,Qr,Ze),Kt(g,"top",ot),Kt(g,oa,z),Kt(g,aa,Re),Kt(f,oa,rn),Kt(f,aa,_n),h.width=Cn(rn*Ct),h.height=Cn(_n*Ct),w.forEach(({_el:v,_show:T,_size:N,_pos:U,side:W})=>{if(v!=null)if(T){let K=W===3||W===0?N:0,oe=W%2==1;Kt(v,oe?"left":"top",U-K),Kt(v,oe?"width":"height",N),Kt(v,oe?"top":"left",oe?ot:Ze),Kt(v,oe?"height":"width",oe?Re:z),_u(v,yr)}else _i(v,yr)}),Gr=zs=Wr=H=J=q=Y=Ee=C=null,Ie=1,ia(!0),Ze!=we||ot!=Vt||z!=Ge||Re!=$e){ct(!1);let v=z/Ge,T=Re/$e;if(me&&!ee&&ue.left>=0){ue.left*=v,ue.top*=T,$r&&ls($r,Cn(ue.left),0,z,Re),qr&&ls(qr,0,Cn(ue.top),z,Re);for(let N=0;N<lt.length;N++){let U=lt[N];U!=null&&($t[N]*=v,Jn[N]*=T,ls(U,Li($t[N]),Li(Jn[N]),z,Re))}}if(Yt.show&&!ie&&Yt.left>=0&&Yt.width>0){Yt.left*=v,Yt.width*=v,Yt.top*=T,Yt.height*=T;for(let N in su)Kt(Kr,N,Yt[N])}we=Ze,Vt=ot,Ge=z,$e=Re}Fn("setSize"),ve=!1}rn>0&&_n>0&&(u.clearRect(0,0,h.width,h.height),Fn("drawClear"),M.forEach(v=>v()),Fn("draw")),Yt.show&&ie&&(hl(Yt),ie=!1),me&&ee&&(pr(null,!0,!1),ee=!1),fe.show&&fe.live&&pe&&(nu(),pe=!1),l||(l=!0,n.status=1,Fn("ready")),ks=!1,an=!1}n.redraw=(v,T)=>{be=T||!1,v!==!1?Hs(S,P.min,P.max):Wn()};function Qh(v,T){let N=b[v];if(N.from==null){if(on==0){let U=N.range(n,T.min,T.max,v);T.min=U[0],T.max=U[1]}if(T.min>T.max){let U=T.min;T.min=T.max,T.max=U}if(on>1&&T.min!=null&&T.max!=null&&T.max-T.min<1e-16)return;v==S&&N.distr==2&&on>0&&(T.min=Wi(T.min,e[0]),T.max=Wi(T.max,e[0]),T.min==T.max&&T.max++),B[v]=T,re=!0,Wn()}}n.setScale=Qh;let eu,tu,$r,qr,zd,Vd,Yr,Zr,Hd,Gd,qt,Qt,Vs=!1,zn=ue.drag,Nn=zn.x,Un=zn.y;me&&(ue.x&&(eu=Pi(cy,g)),ue.y&&(tu=Pi(hy,g)),P.ori==0?($r=eu,qr=tu):($r=tu,qr=eu),qt=ue.left,Qt=ue.top);let Yt=n.select=Mn({show:!0,over:!0,left:0,width:0,top:0,height:0},i.select),Kr=Yt.show?Pi(ly,Yt.over?g:p):null;function hl(v,T){if(Yt.show){for(let N in v)Yt[N]=v[N],N in su&&Kt(Kr,N,v[N]);T!==!1&&Fn("setSelect")}}n.setSelect=hl;function H_(v){if(_[v].show)Q&&_u(Ke[v],yr);else if(Q&&_i(Ke[v],yr),me){let N=Ce?lt[0]:lt[v];N!=null&&ls(N,-10,-10,z,Re)}}function Hs(v,T,N){Qh(v,{min:T,max:N})}function ss(v,T,N,U){T.focus!=null&&q_(v),T.show!=null&&_.forEach((W,K)=>{K>0&&(v==K||v==null)&&(W.show=T.show,H_(K),s==2?(Hs(W.facets[0].scale,null,null),Hs(W.facets[1].scale,null,null)):Hs(W.scale,null,null),Wn())}),N!==!1&&Fn("setSeries",v,T),U&&sa("setSeries",n,v,T)}n.setSeries=ss;function G_(v,T){Mn(E[v],T)}function W_(v,T){v.fill=xt(v.fill||null),v.dir=wt(v.dir,-1),T=T??E.length,E.splice(T,0,v)}function X_(v){v==null?E.length=0:E.splice(v,1)}n.addBand=W_,n.setBand=G_,n.delBand=X_;function $_(v,T){_[v].alpha=T,me&&lt[v]!=null&&(lt[v].style.opacity=T),Q&&Ke[v]&&(Ke[v].style.opacity=T)}let Ms,Gs,dr,Jr={focus:!0};function q_(v){if(v!=dr){let T=v==null,N=ke.alpha!=1;_.forEach((U,W)=>{if(s==1||W>0){let K=T||W==0||W==v;U._focus=T?null:K,N&&$_(W,K?1:ke.alpha)}}),dr=v,N&&Wn()}}Q&&Qe&&bt(cp,ye,v=>{ue._lock||(je(v),dr!=null&&ss(null,Jr,!0,bn.setSeries))});function rs(v,T,N){let U=b[T];N&&(v=v/Ct-(U.ori==1?ot:Ze));let W=z;U.ori==1&&(W=Re,v=W-v),U.dir==-1&&(v=W-v);let K=U._min,oe=U._max,de=v/W,Me=K+(oe-K)*de,De=U.distr;return De==3?no(10,Me):De==4?Ty(Me,U.asinh):De==100?U.bwd(Me):Me}function Y_(v,T){let N=rs(v,S,T);return Wi(N,e[0],dn,pn)}n.valToIdx=v=>Wi(v,e[0]),n.posToIdx=Y_,n.posToVal=rs,n.valToPos=(v,T,N)=>b[T].ori==0?r(v,b[T],N?$:z,N?D:0):o(v,b[T],N?he:Re,N?A:0),n.setCursor=(v,T,N)=>{qt=v.left,Qt=v.top,pr(null,T,N)};function Wd(v,T){Kt(Kr,Qr,Yt.left=v),Kt(Kr,oa,Yt.width=T)}function Xd(v,T){Kt(Kr,"top",Yt.top=v),Kt(Kr,aa,Yt.height=T)}let ta=P.ori==0?Wd:Xd,na=P.ori==1?Wd:Xd;function Z_(){if(Q&&fe.live)for(let v=s==2?1:0;v<_.length;v++){if(v==0&&at)continue;let T=fe.values[v],N=0;for(let U in T)Oe[v][N++].firstChild.nodeValue=T[U]}}function nu(v,T){if(v!=null&&(v.idxs?v.idxs.forEach((N,U)=>{ne[U]=N}):Py(v.idx)||ne.fill(v.idx),fe.idx=ne[0]),Q&&fe.live){for(let N=0;N<_.length;N++)(N>0||s==1&&!at)&&K_(N,ne[N]);Z_()}pe=!1,T!==!1&&Fn("setLegend")}n.setLegend=nu;function K_(v,T){let N=_[v],U=v==0&&O==2?di:e[v],W;at?W=N.values(n,v,T)??st:(W=N.value(n,T==null?null:U[T],v,T),W=W==null?st:{_:W}),fe.values[v]=W}function pr(v,T,N){Hd=qt,Gd=Qt,[qt,Qt]=ue.move(n,qt,Qt),ue.left=qt,ue.top=Qt,me&&($r&&ls($r,Cn(qt),0,z,Re),qr&&ls(qr,0,Cn(Qt),z,Re));let U,W=dn>pn;Ms=Ht,Gs=null;let K=P.ori==0?z:Re,oe=P.ori==1?z:Re;if(qt<0||on==0||W){U=ue.idx=null;for(let de=0;de<_.length;de++){let Me=lt[de];Me!=null&&ls(Me,-10,-10,z,Re)}Qe&&ss(null,Jr,!0,v==null&&bn.setSeries),fe.live&&(ne.fill(U),pe=!0)}else{let de,Me,De;s==1&&(de=P.ori==0?qt:Qt,Me=rs(de,S),U=ue.idx=Wi(Me,e[0],dn,pn),De=V(e[0][U],P,K,0));let Ne=-10,Be=-10,rt=0,Tt=0,St=!0,_t="",Je="";for(let Xe=s==2?1:0;Xe<_.length;Xe++){let Zt=_[Xe],ln=ne[Xe],On=ln==null?null:s==1?e[Xe][ln]:e[Xe][1][ln],zt=ue.dataIdx(n,Xe,U,Me),cn=zt==null?null:s==1?e[Xe][zt]:e[Xe][1][zt];if(pe=pe||cn!=On||zt!=ln,ne[Xe]=zt,Xe>0&&Zt.show){let pi=zt==null?-10:zt==U?De:V(s==1?e[0][zt]:e[Xe][0][zt],P,K,0),Qn=cn==null?-10:L(cn,s==1?b[Zt.scale]:b[Zt.facets[1].scale],oe,0);if(Qe&&cn!=null){let Ri=P.ori==1?qt:Qt,Vi=Rn(ke.dist(n,Xe,zt,Qn,Ri));if(Vi<Ms){let os=ke.bias;if(os!=0){let mi=rs(Ri,Zt.scale),Ii=cn>=0?1:-1,Hi=mi>=0?1:-1;Hi==Ii&&(Hi==1?os==1?cn>=mi:cn<=mi:os==1?cn<=mi:cn>=mi)&&(Ms=Vi,Gs=Xe)}else Ms=Vi,Gs=Xe}}if(pe||Ce){let Ri,Vi;P.ori==0?(Ri=pi,Vi=Qn):(Ri=Qn,Vi=pi);let os,mi,Ii,Hi,as,ei,gi=!0,mr=ce.bbox;if(mr!=null){gi=!1;let ti=mr(n,Xe);Ii=ti.left,Hi=ti.top,os=ti.width,mi=ti.height}else Ii=Ri,Hi=Vi,os=mi=ce.size(n,Xe);if(ei=ce.fill(n,Xe),as=ce.stroke(n,Xe),Ce)Xe==Gs&&Ms<=ke.prox&&(Ne=Ii,Be=Hi,rt=os,Tt=mi,St=gi,_t=ei,Je=as);else{let ti=lt[Xe];ti!=null&&($t[Xe]=Ii,Jn[Xe]=Hi,gp(ti,os,mi,gi),pp(ti,ei,as),ls(ti,Li(Ii),Li(Hi),z,Re))}}}}if(Ce){let Xe=ke.prox,Zt=dr==null?Ms<=Xe:Ms>Xe||Gs!=dr;if(pe||Zt){let ln=lt[0];ln!=null&&($t[0]=Ne,Jn[0]=Be,gp(ln,rt,Tt,St),pp(ln,_t,Je),ls(ln,Li(Ne),Li(Be),z,Re))}}}if(Yt.show&&Vs)if(v!=null){let[de,Me]=bn.scales,[De,Ne]=bn.match,[Be,rt]=v.cursor.sync.scales,Tt=v.cursor.drag;if(Nn=Tt._x,Un=Tt._y,Nn||Un){let{left:St,top:_t,width:Je,height:Xe}=v.select,Zt=v.scales[Be].ori,ln=v.posToVal,On,zt,cn,pi,Qn,Ri=de!=null&&De(de,Be),Vi=Me!=null&&Ne(Me,rt);Ri&&Nn?(Zt==0?(On=St,zt=Je):(On=_t,zt=Xe),cn=b[de],pi=V(ln(On,Be),cn,K,0),Qn=V(ln(On+zt,Be),cn,K,0),ta(Xi(pi,Qn),Rn(Qn-pi))):ta(0,K),Vi&&Un?(Zt==1?(On=St,zt=Je):(On=_t,zt=Xe),cn=b[Me],pi=L(ln(On,rt),cn,oe,0),Qn=L(ln(On+zt,rt),cn,oe,0),na(Xi(pi,Qn),Rn(Qn-pi))):na(0,oe)}else ru()}else{let de=Rn(Hd-zd),Me=Rn(Gd-Vd);if(P.ori==1){let rt=de;de=Me,Me=rt}Nn=zn.x&&de>=zn.dist,Un=zn.y&&Me>=zn.dist;let De=zn.uni;De!=null?Nn&&Un&&(Nn=de>=De,Un=Me>=De,!Nn&&!Un&&(Me>de?Un=!0:Nn=!0)):zn.x&&zn.y&&(Nn||Un)&&(Nn=Un=!0);let Ne,Be;Nn&&(P.ori==0?(Ne=Yr,Be=qt):(Ne=Zr,Be=Qt),ta(Xi(Ne,Be),Rn(Be-Ne)),Un||na(0,oe)),Un&&(P.ori==1?(Ne=Yr,Be=qt):(Ne=Zr,Be=Qt),na(Xi(Ne,Be),Rn(Be-Ne)),Nn||ta(0,K)),!Nn&&!Un&&(ta(0,0),na(0,0))}if(zn._x=Nn,zn._y=Un,v==null){if(N){if(np!=null){let[de,Me]=bn.scales;bn.values[0]=de!=null?rs(P.ori==0?qt:Qt,de):null,bn.values[1]=Me!=null?rs(P.ori==1?qt:Qt,Me):null}sa(cu,n,qt,Qt,z,Re,U)}if(Qe){let de=N&&bn.setSeries,Me=ke.prox;dr==null?Ms<=Me&&ss(Gs,Jr,!0,de):Ms>Me?ss(null,Jr,!0,de):Gs!=dr&&ss(Gs,Jr,!0,de)}}pe&&(fe.idx=U,nu()),T!==!1&&Fn("setCursor")}let Ws=null;Object.defineProperty(n,"rect",{get(){return Ws==null&&ia(!1),Ws}});function ia(v=!1){v?Ws=null:(Ws=g.getBoundingClientRect(),Fn("syncRect",Ws))}function $d(v,T,N,U,W,K,oe){ue._lock||Vs&&v!=null&&v.movementX==0&&v.movementY==0||(iu(v,T,N,U,W,K,oe,!1,v!=null),v!=null?pr(null,!0,!0):pr(T,!0,!1))}function iu(v,T,N,U,W,K,oe,de,Me){if(Ws==null&&ia(!1),je(v),v!=null)N=v.clientX-Ws.left,U=v.clientY-Ws.top;else{if(N<0||U<0){qt=-10,Qt=-10;return}let[De,Ne]=bn.scales,Be=T.cursor.sync,[rt,Tt]=Be.values,[St,_t]=Be.scales,[Je,Xe]=bn.match,Zt=T.axes[0].side%2==1,ln=P.ori==0?z:Re,On=P.ori==1?z:Re,zt=Zt?K:W,cn=Zt?W:K,pi=Zt?U:N,Qn=Zt?N:U;if(St!=null?N=Je(De,St)?a(rt,b[De],ln,0):-10:N=ln*(pi/zt),_t!=null?U=Xe(Ne,_t)?a(Tt,b[Ne],On,0):-10:U=On*(Qn/cn),P.ori==1){let Ri=N;N=U,U=Ri}}Me&&(T==null||T.cursor.event.type==cu)&&((N<=1||N>=z-1)&&(N=gr(N,z)),(U<=1||U>=Re-1)&&(U=gr(U,Re))),de?(zd=N,Vd=U,[Yr,Zr]=ue.move(n,N,U)):(qt=N,Qt=U)}let su={width:0,height:0,left:0,top:0};function ru(){hl(su,!1)}let qd,Yd,Zd,Kd;function Jd(v,T,N,U,W,K,oe){Vs=!0,Nn=Un=zn._x=zn._y=!1,iu(v,T,N,U,W,K,oe,!0,!1),v!=null&&(bt(hu,mu,jd,!1),sa(ap,n,Yr,Zr,z,Re,null));let{left:de,top:Me,width:De,height:Ne}=Yt;qd=de,Yd=Me,Zd=De,Kd=Ne}function jd(v,T,N,U,W,K,oe){Vs=zn._x=zn._y=!1,iu(v,T,N,U,W,K,oe,!1,!0);let{left:de,top:Me,width:De,height:Ne}=Yt,Be=De>0||Ne>0,rt=qd!=de||Yd!=Me||Zd!=De||Kd!=Ne;if(Be&&rt&&hl(Yt),zn.setScale&&Be&&rt){let Tt=de,St=De,_t=Me,Je=Ne;if(P.ori==1&&(Tt=Me,St=Ne,_t=de,Je=De),Nn&&Hs(S,rs(Tt,S),rs(Tt+St,S)),Un)for(let Xe in b){let Zt=b[Xe];Xe!=S&&Zt.from==null&&Zt.min!=Ht&&Hs(Xe,rs(_t+Je,Xe),rs(_t,Xe))}ru()}else ue.lock&&(ue._lock=!ue._lock,pr(T,!0,v!=null));v!=null&&(En(hu,mu),sa(hu,n,qt,Qt,z,Re,null))}function J_(v,T,N,U,W,K,oe){if(ue._lock)return;je(v);let de=Vs;if(Vs){let Me=!0,De=!0,Ne=10,Be,rt;P.ori==0?(Be=Nn,rt=Un):(Be=Un,rt=Nn),Be&&rt&&(Me=qt<=Ne||qt>=z-Ne,De=Qt<=Ne||Qt>=Re-Ne),Be&&Me&&(qt=qt<Yr?0:z),rt&&De&&(Qt=Qt<Zr?0:Re),pr(null,!0,!0),Vs=!1}qt=-10,Qt=-10,ne.fill(null),pr(null,!0,!0),de&&(Vs=de)}function Qd(v,T,N,U,W,K,oe){ue._lock||(je(v),ea(),ru(),v!=null&&sa(hp,n,qt,Qt,z,Re,null))}function ep(){w.forEach(qx),k(n.width,n.height,!0)}xr(gl,to,ep);let jr={};jr.mousedown=Jd,jr.mousemove=$d,jr.mouseup=jd,jr.dblclick=Qd,jr.setSeries=(v,T,N,U)=>{let W=bn.match[2];N=W(n,T,N),N!=-1&&ss(N,U,!0,!1)},me&&(bt(ap,g,Jd),bt(cu,g,$d),bt(lp,g,v=>{je(v),ia(!1)}),bt(cp,g,J_),bt(hp,g,Qd),Su.add(n),n.syncRect=ia);let ul=n.hooks=i.hooks||{};function Fn(v,T,N){jn?Ot.push([v,T,N]):v in ul&&ul[v].forEach(U=>{U.call(null,n,T,N)})}(i.plugins||[]).forEach(v=>{for(let T in v.hooks)ul[T]=(ul[T]||[]).concat(v.hooks[T])});let tp=(v,T,N)=>N,bn=Mn({key:null,setSeries:!1,filters:{pub:bp,sub:bp},scales:[S,_[1]?_[1].scale:null],match:[Mp,Mp,tp],values:[null,null]},ue.sync);bn.match.length==2&&bn.match.push(tp),ue.sync=bn;let np=bn.key,ou=ym(np);function sa(v,T,N,U,W,K,oe){bn.filters.pub(v,T,N,U,W,K,oe)&&ou.pub(v,T,N,U,W,K,oe)}ou.sub(n);function j_(v,T,N,U,W,K,oe){bn.filters.sub(v,T,N,U,W,K,oe)&&jr[v](null,T,N,U,W,K,oe)}n.pub=j_;function Q_(){ou.unsub(n),Su.delete(n),Dn.clear(),yu(gl,to,ep),c.remove(),ye?.remove(),Fn("destroy")}n.destroy=Q_;function au(){Fn("init",i,e),Qo(e||i.data,!1),B[S]?Qh(S,B[S]):ea(),ie=Yt.show&&(Yt.width>0||Yt.height>0),ee=pe=!0,k(i.width,i.height)}return _.forEach(Hr),w.forEach(ys),t?t instanceof HTMLElement?(t.appendChild(c),au()):t(n,au):au(),n}Vn.assign=Mn;Vn.fmtNum=Iu;Vn.rangeNum=_l;Vn.rangeLog=vl;Vn.rangeAsinh=Cu;Vn.orient=br;Vn.pxRatio=Ct;Vn.join=By;Vn.fmtDate=Lu,Vn.tzDate=Zy;Vn.sync=ym;{Vn.addGap=Px,Vn.clipGaps=Sl;let i=Vn.paths={points:wm};i.linear=Em,i.stepped=Nx,i.bars=Ux,i.spline=Ox}var Im=window.matchMedia("(prefers-color-scheme: dark)"),Tl=null;try{let i=localStorage.getItem("knurl theme");(i==="dark"||i==="light")&&(Tl=i)}catch{}var Pm=[];function ku(){return Tl??(Im.matches?"dark":"light")}function zu(){document.documentElement.dataset.theme=ku();for(let i of Pm)i()}function Vu(){Tl=ku()==="dark"?"light":"dark";try{localStorage.setItem("knurl theme",Tl)}catch{}zu()}function Cl(i){Pm.push(i)}Im.addEventListener("change",zu);zu();var Yx={background:1316636,grid:2764858,hand:15922424,arm:9081763,workspace:3752527,force:16751949,torque:13079274,contact:16769162,asleep:6055024,claims:[5941734,12028896,14722136,8368233,14843291,9413567],mine:4178341,axes:["#ff7b72","#7ee08a","#79b8ff","#e6e9ef"],text:"#aab2bf",lines:"#2a303a",warn:"#f0b429"},Zx={background:16251130,grid:14278374,hand:1909547,arm:7174022,workspace:12765909,force:14245898,torque:9323693,contact:12092928,asleep:11121084,claims:[2062260,8212403,11562770,4950581,12074598,5334143],mine:888693,axes:["#d1242f","#1a7f37","#0969da","#24292f"],text:"#57606a",lines:"#e1e5eb",warn:"#b35900"};function Xn(){return ku()==="dark"?Yx:Zx}function Lm(i){let e=Math.min(1,Math.max(0,i)),t=[[.28,.5,.72],[.3,.75,.6],[.98,.8,.3],[.93,.27,.2]],n=Math.sqrt(e)*3,s=Math.min(2,Math.floor(n)),r=n-s;return[0,1,2].map(o=>t[s][o]+r*(t[s+1][o]-t[s][o]))}function Ue(i,e={},...t){let[n,...s]=i.split("."),r=document.createElement(n);s.length&&(r.className=s.join(" "));for(let[o,a]of Object.entries(e))typeof a=="function"?r.addEventListener(o,a):typeof a=="boolean"?r.toggleAttribute(o,a):r.setAttribute(o,String(a));return r.append(...t),r}function le(i){let e=document.getElementById(i);if(!e)throw new Error(`the page has no element ${i}`);return e}function At(i,e){i.textContent!==e&&(i.textContent=e)}var co=[],Kx=200;function pt(i,e){let t=e.split(`
+`)[0].slice(0,400),n=co[0];if(n&&n.text===t&&n.level===i?(n.times++,n.at=new Date):(co.unshift({at:new Date,level:i,text:t,times:1}),co.length>Kx&&co.pop()),Jx(),i==="quiet")return;let s=le("toasts");for(let o of[...s.children])o.textContent===t&&o.remove();let r=Ue("div",{class:`toast ${i}`,role:i==="error"?"alert":"status"},t);for(s.append(r);s.children.length>3;)s.firstElementChild?.remove();window.setTimeout(()=>r.remove(),i==="error"?9e3:5e3)}function Jx(){le("log").replaceChildren(...co.length?co.map(e=>Ue("li",{class:e.level},Ue("time",{},e.at.toLocaleTimeString()),` ${e.text}${e.times>1?` (${e.times} times)`:""}`)):[Ue("li.empty",{},"Nothing has happened yet.")])}function Mr(i,e,t="text/plain"){let n=URL.createObjectURL(typeof e=="string"?new Blob([e],{type:t}):e),s=Ue("a",{href:n,download:i});document.body.append(s),s.click(),s.remove(),window.setTimeout(()=>URL.revokeObjectURL(n),1e4)}function Rl(i,e){if(!Number.isFinite(i))return i>0?`∞ ${e}`:`${i} ${e}`;let t=Math.abs(i),[n,s]=t>=1e3?[.001,"k"]:t>=1||t===0?[1,""]:t>=.001?[1e3,"m"]:[1e6,"µ"];return`${+(i*n).toPrecision(3)} ${s}${e}`}function Dm(i,e){let t=[...i.querySelectorAll("[role=tab]")],n=s=>{for(let r of t){let o=r.getAttribute("aria-controls")===s;r.setAttribute("aria-selected",String(o)),r.tabIndex=o?0:-1,le(r.getAttribute("aria-controls")).hidden=!o}e?.(s)};for(let[s,r]of t.entries())r.addEventListener("click",()=>n(r.getAttribute("aria-controls"))),r.addEventListener("keydown",o=>{let a=o.key==="ArrowRight"?1:o.key==="ArrowLeft"?-1:0;if(!a)return;let l=t[(s+a+t.length)%t.length];l.focus(),l.click(),o.preventDefault()});return n}var Hu=(i,e)=>["x","y","z"].map(t=>({name:`${i}${t}`,label:t,factor:e})),jx=[{id:"position",title:"Position",unit:"mm",columns:Hu("p",1e3),least:2,thresholds:({info:i})=>[{at:1e3*(i.centre[2]+i.radius),text:"workspace"},{at:1e3*(i.centre[2]-i.radius),text:"workspace"}]},{id:"velocity",title:"Velocity",unit:"mm/s",columns:Hu("v",1e3),least:20,thresholds:()=>[{at:1500,text:"fault"},{at:-1500,text:"fault"}]},{id:"force",title:"Force",unit:"N",columns:[...Hu("f",1),{name:"scene",label:"asked for",factor:1}],least:.5,thresholds:({info:i})=>[{at:i.peak_force,text:"peak"},{at:-i.peak_force,text:"peak"}]},{id:"lateness",title:"Lateness",unit:"µs",columns:[{name:"late",label:"read",factor:1},{name:"step",label:"written",factor:1}],least:50,zero:!0,thresholds:({info:i})=>[{at:5e5/i.rate,text:"half a period"},{at:1e6/i.rate,text:"period: late"}]},{id:"parts",title:"Cycle parts",unit:"µs",status:"parts",least:5,zero:!0},{id:"age",title:"Age at use",unit:"ms",status:"age",least:1,zero:!0}],Gu=["#5aa9e6","#e0a458","#7fb069","#b78be0","#e27d9b","#3fc1a5","#c9b458","#8fa3bf"],Wu=class{constructor(e,t){this.spec=e;this.charts=t;this.holder=Ue("div.plot"),this.box=Ue("figure.chart",{id:`chart-${e.id}`,"aria-label":`${e.title} in ${e.unit} over time`},Ue("figcaption",{},e.title,Ue("span.unit",{},` ${e.unit}`),Ue("span.legend")),this.holder)}spec;charts;plot=null;labels="";box;holder;thresholds=[];reset(){this.plot?.destroy(),this.plot=null,this.labels=""}build(e,t){this.plot?.destroy();let n=Xn(),{spec:s}=this;this.box.querySelector(".legend").replaceChildren(...e.map((a,l)=>{let c=Ue("i");return c.style.background=t[l],Ue("span",{},c,a)}));let o={stroke:n.text,grid:{stroke:n.lines,width:1},ticks:{show:!1},font:"10px system-ui, sans-serif"};this.plot=new Vn({width:Math.max(80,this.holder.clientWidth),height:Math.max(40,this.holder.clientHeight),legend:{show:!1},padding:[6,10,0,0],cursor:{sync:{key:"knurl"},drag:{x:!0,y:!1},points:{size:5}},scales:{x:{time:!1,auto:!1,range:()=>this.charts.window().map(a=>a-this.charts.origin())},y:{range:(a,l,c)=>{if(l===null||c===null||!Number.isFinite(l)||!Number.isFinite(c))return s.zero?[0,s.least]:[-s.least/2,s.least/2];if(s.zero)return[0,Math.max(s.least,1.1*c)];let h=(l+c)/2,u=Math.max(s.least/2,.55*(c-l));return[h-u,h+u]}}},series:[{},...e.map((a,l)=>({label:a,stroke:t[l],width:a==="asked for"?.6:1.2,points:{show:!1},spanGaps:!0}))],axes:[{...o,size:18,gap:2,space:60,values:(a,l)=>l.map(c=>`${+c.toFixed(3)}`)},{...o,size:44,gap:3,space:24,values:(a,l)=>l.map(c=>`${+c.toPrecision(4)}`)}],hooks:{draw:[a=>this.mark(a)],setSelect:[a=>{if(a.select.width<4)return;let l=this.charts.origin();this.charts.zoom(l+a.posToVal(a.select.left,"x"),l+a.posToVal(a.select.left+a.select.width,"x")),a.setSelect({left:0,top:0,width:0,height:0},!1)}]}},[[],...e.map(()=>[])],this.holder),this.plot.over.addEventListener("dblclick",()=>this.charts.unzoom())}mark(e){let{ctx:t,bbox:n}=e;t.save(),t.strokeStyle=t.fillStyle=Xn().warn,t.setLineDash([4,4]),t.lineWidth=1,t.font=`${10*devicePixelRatio}px system-ui, sans-serif`,t.textAlign="left",t.textBaseline="bottom";for(let{at:r,text:o}of this.thresholds){let a=e.valToPos(r,"y",!0);a>=n.top&&a<=n.top+n.height&&(t.beginPath(),t.moveTo(n.left,a),t.lineTo(n.left+n.width,a),t.stroke(),t.fillText(o,n.left+4,a))}let s=this.charts.cursor();if(s!==null){let r=e.valToPos(s-this.charts.origin(),"x",!0);t.setLineDash([]),t.beginPath(),t.moveTo(r,n.top),t.lineTo(r,n.top+n.height),t.stroke()}t.restore()}draw(e){if(!this.holder.clientWidth)return;let[t,n]=this.charts.window(),s=this.charts.origin(),{spec:r}=this;this.thresholds=r.thresholds?.(e)??[];let o;if(r.columns){let a=r.columns.map(h=>h.label);this.labels!==a.join()&&(this.labels=a.join(),this.build(a,r.columns.length>2?Xn().axes:Gu));let l=Math.max(60,Math.min(400,Math.round(this.holder.clientWidth/2))),c=e.history.thin(t,n,l,r.columns.map(h=>h.name));for(let[h,u]of r.columns.entries())if(u.factor!==1)for(let f=0;f<c.values[h].length;f++)c.values[h][f]*=u.factor;for(let h=0;h<c.t.length;h++)c.t[h]-=s;o=[c.t,...c.values]}else{let a=e.ages.filter(h=>h.t>=t-1&&h.t<=n+1),l=new Set;for(let h of a)for(let u of r.status==="age"?h.age.keys():Object.keys(h.parts))u!=="sleep"&&l.add(u);let c=[...l].slice(0,Gu.length);(this.labels!==c.join()||!this.plot)&&(this.labels=c.join(),this.build(c,Gu)),o=[a.map(h=>h.t-s),...c.map(h=>a.map(u=>r.status==="age"?u.age.get(h)===void 0?null:u.age.get(h)*1e3:u.parts[h]??null))]}(this.plot.width!==this.holder.clientWidth||this.plot.height!==this.holder.clientHeight)&&this.plot.setSize({width:this.holder.clientWidth,height:this.holder.clientHeight}),this.plot.setData(o,!0)}get canvas(){return this.plot?.ctx.canvas??null}},Il=class{constructor(e){this.model=e;this.charts=jx.map(t=>new Wu(t,this)),le("charts").append(...this.charts.map(t=>t.box)),Cl(()=>this.charts.forEach(t=>t.reset())),le("charts").addEventListener("wheel",t=>{t.preventDefault();let[n,s]=this.window(),r=t.deltaY>0?1.25:.8;if(this.frozen){let o=(n+s)/2,a=Math.min(600,Math.max(.005,(s-n)/2*r));this.frozen=[o-a,o+a]}else this.setSpan(Math.min(30,Math.max(.1,this.span*r)))},{passive:!1}),le("span").addEventListener("change",t=>{this.span=Number(t.target.value),this.frozen=null,this.setPaused(!1)}),le("pause").addEventListener("click",()=>this.setPaused(!this.paused)),le("csv").addEventListener("click",()=>this.csv()),le("png").addEventListener("click",()=>{this.png()}),e.on("selected",()=>this.unzoom()),e.on("recording",()=>this.unzoom())}model;charts;turn=0;span=10;paused=!1;pausedAt=0;frozen=null;setSpan(e){this.span=e;let t=le("span");t.value=[...t.options].some(n=>Number(n.value)===e)?String(e):""}setPaused(e){if(e===this.paused&&!this.frozen)return;e&&!this.paused&&(this.pausedAt=this.model.now()),this.frozen=e?this.frozen??this.window():null,this.paused=e;let t=le("pause");t.setAttribute("aria-pressed",String(e)),At(t,e?"Go on":"Pause")}zoom(e,t){this.setPaused(!0),this.frozen=[e,t]}unzoom(){this.frozen=null,this.setPaused(!1)}window(){if(this.frozen)return this.frozen;let e=this.model.now();if(this.model.recording){let{first:t,last:n}=this.model.recording.history,s=Math.min(this.span,Math.max(.01,n-t)),r=Math.min(Math.max(t,e-s/2),Math.max(t,n-s));return[r,r+s]}return[e-this.span,e]}cursor(){return this.model.recording?this.model.cursor:null}origin(){return this.model.recording?0:this.paused?this.pausedAt:this.model.now()}draw(){let e=this.model.current();e&&(this.turn=(this.turn+1)%this.charts.length,this.charts[this.turn].draw(e))}resize(){let e=this.model.current();if(e)for(let t of this.charts)t.draw(e)}csv(){let e=this.model.current();if(!e?.history.held)return pt("warning","There is nothing to export yet.");let[t,n]=this.window();Mr(`${e.info.name}.csv`,e.history.csv(t,n),"text/csv")}async png(){let e=this.charts.map(a=>a.canvas).filter(a=>a!==null&&a.width>0);if(!e.length)return pt("warning","There is nothing to export yet.");let t=document.createElement("canvas");t.width=Math.max(...e.map(a=>a.width));let n=18*devicePixelRatio;t.height=e.reduce((a,l)=>a+l.height+n,0);let s=t.getContext("2d");s.fillStyle=getComputedStyle(document.body).backgroundColor,s.fillRect(0,0,t.width,t.height);let r=0;this.charts.forEach(a=>{a.canvas?.width&&(s.fillStyle=Xn().text,s.font=`${12*devicePixelRatio}px system-ui, sans-serif`,s.fillText(`${a.spec.title} [${a.spec.unit}]`,4,r+.75*n),s.drawImage(a.canvas,0,r+n),r+=a.canvas.height+n)});let o=await new Promise(a=>t.toBlob(a,"image/png"));o&&Mr(`${this.model.current()?.info.name??"knurl"}.png`,o)}};var fa={touching:1,clamped:2,infeasible:4,fading:8,silent:16,asleep:32},Qx=["disconnected","idle","armed","ramp up","active","ramp down","fault"];function Nm(i){return typeof i=="number"?Qx[i]??`state ${i}`:i.replaceAll("_"," ")}var ev=14;function Um(i){if(i.byteLength<24)throw new Error(`a binary message of ${i.byteLength} bytes, shorter than its head`);let e=new DataView(i),t=e.getUint32(0,!0);if(t!==1)throw new Error(`a binary message of kind ${t}, which this page does not know`);let n=e.getUint32(8,!0);if(i.byteLength!==24+n*ev*4)throw new Error(`a binary message says ${n} reports and has ${i.byteLength-24} bytes for them`);return{device:e.getUint32(4,!0),count:n,t:e.getFloat64(16,!0),data:new Float32Array(i,24)}}function Et(i,e=0){return typeof i=="number"?i:i==="inf"?1/0:i==="-inf"?-1/0:e}function Pl(i,e=[0,0,0]){return Array.isArray(i)&&i.length>=3?[Et(i[0]),Et(i[1]),Et(i[2])]:e}function Fm(i){if(i.byteLength<8)throw new Error("a mesh that is shorter than its head");let e=new DataView(i),t=e.getUint32(0,!0),n=e.getUint32(4,!0);if(i.byteLength!==8+12*t+12*n)throw new Error(`a mesh says ${t} vertices and ${n} triangles and has ${i.byteLength} bytes`);let s=new Uint32Array(i,8+12*t,3*n);for(let r of s)if(r>=t)throw new Error(`a mesh names vertex ${r} of ${t}`);return{positions:new Float32Array(i,8,3*t),indices:s}}var tv=8,Om=10,Ll=class{constructor(e,t){this.url=e;this.handlers=t}url;handlers;socket=null;pending=new Map;next=1;attempts=0;timer=0;stopped=!1;reconnects=0;messages=0;work=0;opened=!1;open(){window.clearTimeout(this.timer);let e=new WebSocket(this.url,"knurl.live.v1");e.binaryType="arraybuffer",this.socket=e,e.onopen=()=>{this.opened&&this.reconnects++,this.opened=!0,this.attempts=0,this.handlers.link("open","",0)},e.onmessage=t=>{let n=performance.now();this.messages++;try{typeof t.data=="string"?this.text(t.data):this.handlers.reports(Um(t.data))}catch(s){this.handlers.strange(s instanceof Error?s.message:String(s))}this.work+=performance.now()-n},e.onclose=t=>{if(this.socket===e){this.socket=null;for(let[,n]of this.pending)window.clearTimeout(n.timer),n.reject(new Error("the connection was lost before the answer came"));this.pending.clear(),this.stopped||this.lost(t.reason)}}}text(e){let t;try{t=JSON.parse(e)}catch{throw new Error(`a message that is no JSON: ${e.slice(0,60)}`)}if(t===null||typeof t!="object"||typeof t.op!="string")throw new Error(`a message without op: ${e.slice(0,60)}`);if(t.op==="answer"){let n=this.pending.get(t.id);if(!n)return;this.pending.delete(t.id),window.clearTimeout(n.timer),t.ok?n.resolve(t):n.reject(new Error(t.error??"refused without a reason"));return}this.handlers.message(t)}async lost(e){this.attempts++;let t=Math.min(tv,.5*2**(this.attempts-1));this.handlers.link("lost",e||"the connection to knurl-web was lost",t);try{let n=await fetch("./",{cache:"no-store"});if(n.status===401||n.status===403){this.handlers.link("gone","knurl-web no longer knows this page (it was started anew, or its token changed)",0);return}}catch{}this.timer=window.setTimeout(()=>this.open(),t*1e3)}get connected(){return this.socket?.readyState===WebSocket.OPEN}request(e,t={}){let n=this.socket;if(!n||n.readyState!==WebSocket.OPEN)return Promise.reject(new Error("not connected to knurl-web"));let s=this.next++;return new Promise((r,o)=>{let a=window.setTimeout(()=>{this.pending.delete(s),o(new Error(`${e}: no answer within ${e==="doctor"?120:Om} s`))},(e==="doctor"?120:Om)*1e3);this.pending.set(s,{resolve:r,reject:o,timer:a}),n.send(JSON.stringify({op:e,id:s,...t}))})}close(){this.stopped=!0,this.socket?.close()}};var da=["px","py","pz","vx","vy","vz","fx","fy","fz","late","step","scene","state"],ho=class{constructor(e){this.capacity=e;this.t=new Float64Array(e),this.columns=Object.fromEntries(da.map(t=>[t,new Float32Array(e)]))}capacity;t;columns;count=0;get held(){return Math.min(this.count,this.capacity)}get last(){return this.count===0?0:this.t[(this.count-1)%this.capacity]}get first(){return this.count===0?0:this.t[(this.count-this.held)%this.capacity]}clear(){this.count=0}push(e,t,n=0){this.count>0&&e<this.last&&this.clear();let s=this.count%this.capacity;this.t[s]=e;for(let r=0;r<da.length;r++)this.columns[da[r]][s]=t[n+r];this.count++}place(e){return(this.count-this.held+e)%this.capacity}find(e){let t=0,n=this.held;for(;t<n;){let s=t+n>>1;this.t[this.place(s)]<e?t=s+1:n=s}return t}thin(e,t,n,s){let r=Math.max(0,this.find(e)-1),o=Math.min(this.held,this.find(t)+1),a=o-r,l=[],c=s.map(()=>[]);if(a<=0)return{t:l,values:c};let h=s.map(g=>this.columns[g]);if(a<=2*n){for(let g=r;g<o;g++){let x=this.place(g);l.push(this.t[x]);for(let m=0;m<h.length;m++)c[m].push(h[m][x])}return{t:l,values:c}}let u=Math.ceil(a/n),f=this.count-this.held+r,p=f-f%u;for(let g=Math.max(p,this.count-this.held);g<this.count-this.held+o;g+=u){let x=Math.min(g+u,this.count-this.held+o),m=this.t[g%this.capacity],d=this.t[(x-1)%this.capacity];l.push(m,d>m?(m+d)/2:m+1e-9);for(let _=0;_<h.length;_++){let w=1/0,b=-1/0,E=0,S=0;for(let y=g;y<x;y++){let M=h[_][y%this.capacity];M<w&&(w=M,E=y),M>b&&(b=M,S=y)}E<=S?c[_].push(w,b):c[_].push(b,w)}}return{t:l,values:c}}csv(e,t){let n=["m","m","m","m/s","m/s","m/s","N","N","N","us","us","N",""],s=["t [s],"+da.map((r,o)=>n[o]?`${r} [${n[o]}]`:r).join(",")];for(let r=this.find(e);r<this.held;r++){let o=this.place(r);if(this.t[o]>t)break;s.push([this.t[o].toFixed(6),...da.map(a=>+this.columns[a][o].toPrecision(7))].join(","))}return s.join(`
+`)+`
+`}};var pa=class{constructor(e,t){this.info=e;let n=16384;for(;n<32*e.rate&&n<1<<18;)n<<=1;this.history=new ho(t??n)}info;history;frame=null;status=null;claims=new Map;items=new Map;felt=[];version=0;ages=[];get state(){return this.frame?Nm(this.frame.state):"disconnected"}mine(){for(let e of this.claims.values())if(e.mine)return e}kMax(){let e=this.info.max_stiffness;return typeof e=="number"&&e>0?e:1/0}};function uo(i,e){return`${i}:${e}`}var Dl=class{hello=null;servo=null;devices=new Map;kinds=new Map;recording=null;cursor=0;selected=0;note=()=>{};listeners=new Map;on(e,t){let n=this.listeners.get(e)??[];n.push(t),this.listeners.set(e,n)}tell(e){for(let t of this.listeners.get(e)??[])t()}shown(){return this.recording?[this.recording]:[...this.devices.values()]}current(){return this.recording??this.devices.get(this.selected)??this.devices.values().next().value}now(){let e=this.current();return e?e===this.recording?this.cursor:e.history.last:0}can(e){let t=this.hello?.role;return t==="control"||t===e}forget(){for(let e of this.devices.values())(e.claims.size||e.items.size)&&e.version++,e.claims.clear(),e.items.clear(),e.felt=[];this.tell("scene")}take(e){switch(e.op){case"hello":this.hello=e,this.kinds=new Map(e.kinds.map(t=>[t.name,t])),this.tell("hello");break;case"servo":this.takeServo(e);break;case"frame":for(let t of e.devices){let n=this.devices.get(t.i);n&&(n.frame=t)}break;case"scene":{let t=this.devices.get(e.device);if(!t)break;e.full&&(t.claims.clear(),t.items.clear(),t.felt=[]);for(let n of e.gone??[])if(n.length>1)t.items.delete(uo(n[0],n[1]));else{t.claims.delete(n[0]);for(let[s,r]of t.items)r.claim===n[0]&&t.items.delete(s)}for(let n of e.claims??[])t.claims.set(n.claim,n);for(let n of e.items??[]){let s=uo(n.claim,n.slot),r=t.items.get(s),o=r&&r.generation===n.generation&&r.kind===n.kind;t.items.set(s,{...n,version:(r?.version??0)+1,since:performance.now(),felt:o?r.felt:null})}t.felt=t.felt.filter(n=>t.items.get(uo(n.claim,n.slot))===n),t.version++,this.tell("scene");break}case"felt":{let t=this.devices.get(e.device);if(!t)break;for(let n of t.items.values())n.felt=null;t.felt=[];for(let n of e.items){let s=t.items.get(uo(n[0],n[1]));s&&(s.felt=n,t.felt.push(s))}break}case"status":for(let t of e.devices){let n=this.devices.get(t.i);if(!n)continue;n.status=t;let s=new Map;for(let r of t.clients)!r.observer&&r.age!==null&&r.age>0&&s.set(`${r.name} ${r.pid}`,r.age);n.ages.push({t:n.history.last,age:s,parts:t.parts}),n.ages.length>400&&n.ages.shift()}this.tell("status");break;case"note":this.note(e.level,e.text);break;case"answer":break;default:throw new Error(`a message "${e.op}", which this page does not know`)}}takeServo(e){let t=this.servo&&this.servo.pid!==e.pid&&e.pid!==0&&this.servo.pid!==0;if(this.servo=e,e.connected||e.devices.length>0){let n=new Set(e.devices.map(s=>s.i));for(let s of[...this.devices.keys()])n.has(s)||this.devices.delete(s);for(let s of e.devices){let r=this.devices.get(s.i);!r||r.info.name!==s.name||r.info.rate!==s.rate?this.devices.set(s.i,new pa(s)):r.info=s}}if(t)for(let n of this.devices.values())n.history.clear();if(!e.connected){for(let n of this.devices.values())n.frame=null,n.status=null;this.forget()}!this.devices.has(this.selected)&&this.devices.size&&(this.selected=this.devices.keys().next().value??0),this.tell("servo")}takeReports(e){let t=this.devices.get(e.device);if(!t)return;let{data:n,t:s}=e;for(let r=0;r<e.count;r++)t.history.push(s+n[r*14],n,r*14+1)}itemsOf(e,t){return[...e.items.values()].filter(n=>n.claim===t).sort((n,s)=>n.slot-s.slot)}};function Bm(i,e){let t=i.felt?.[2]??0;return t&fa.asleep?"asleep":t&(fa.fading|fa.silent)||e?"faded":t&fa.touching?"touched":"there"}function Nl(i,e){let t=i.history,n=t.place(Math.max(0,Math.min(t.held-1,e))),s=t.columns;return{i:i.info.i,cycle:e,t:t.t[n],state:s.state[n],faults:[],p:[s.px[n],s.py[n],s.pz[n]],q:[1,0,0,0],v:[s.vx[n],s.vy[n],s.vz[n]],w:[0,0,0],scene_force:[0,0,0],force:[s.fx[n],s.fy[n],s.fz[n]],torque:[0,0,0],contact:[s.px[n],s.py[n],s.pz[n]],buttons:0,flags:[],late:0,arm:[],gap:0}}var nv=[{name:"not finite",cause:"A scene computed a value that is not a number.",remedy:"Report it: the servo should have refused the parameter."},{name:"slew",cause:"The force changed by more than 2000 N/s for 5 ms: an unstable loop.",remedy:"Lower the stiffness or add damping; see what buzzes. Then reset."},{name:"speed",cause:"The hand was faster than 1.5 m/s: the device was thrown, or the loop is unstable.",remedy:"Hold the device still; lower the stiffness if it ran away by itself. Then reset."},{name:"power",cause:"More than 5 W went into the hand over 50 ms: an unstable loop, often a coupling without an energy account.",remedy:"Use a coupling with an energy account, or less stiffness. Then reset."},{name:"unplugged",cause:"The device is gone.",remedy:"Check cable and power. It comes back by itself, then reset."},{name:"bad samples",cause:"Ten unusable samples came in a row.",remedy:"Check cable, hub, interference; run knurl device test. Then reset."},{name:"encoder jump",cause:"The position jumped by more than a hand can.",remedy:"Calibrate (home) the device; check its cable. Then reset."},{name:"clock jump",cause:"The machine was suspended, or the servo stopped for more than a second.",remedy:"Reset."},{name:"kinematics",cause:"The mechanism has no pose for the joints.",remedy:"Check the arm's file; home the device. Then reset."},{name:"guardian",cause:"The servo made no cycle for 20 ms with force on, and the guardian put the motors to zero.",remedy:"Look for late cycles: knurl doctor, knurl trace --around late. Then reset."},{name:"overload",cause:"Cycles took longer than the period for 20 ms: too many representations at the hand, or a busy machine without real-time rights.",remedy:"Remove representations, or run the servo at a lower rate. Then reset."},{name:"unguarded",cause:"The process knurl-guardian did not run for 40 ms (250 ms without real-time rights).",remedy:"Let it go on if somebody stopped it (kill -CONT); give it real-time rights. Then reset."}],iv=["not finite","slew","speed","power","unplugged","bad samples","encoder jump","clock jump","kinematics","guardian","overload","unguarded"];function Xu(i){let e=i.replaceAll("_"," ");return nv.find(t=>t.name===e)??{name:e,cause:"A fault that this page does not know.",remedy:"See docs/howto/troubleshooting.md of the servo's version."}}function km(i){return iv.filter((e,t)=>i&1<<t)}function sv(i,e){let t=i.length;for(let n=1,s=0;n<t;n++){let r=t>>1;for(;s&r;r>>=1)s^=r;s^=r,n<s&&([i[n],i[s]]=[i[s],i[n]],[e[n],e[s]]=[e[s],e[n]])}for(let n=2;n<=t;n<<=1){let s=-2*Math.PI/n,r=Math.cos(s),o=Math.sin(s);for(let a=0;a<t;a+=n){let l=1,c=0;for(let h=0;h<n/2;h++){let u=a+h,f=u+n/2,p=i[f]*l-e[f]*c,g=i[f]*c+e[f]*l;i[f]=i[u]-p,e[f]=e[u]-g,i[u]+=p,e[u]+=g,[l,c]=[l*r-c*o,l*o+c*r]}}}}var rv=15,ov=.03,av=2e-5;function lv(i,e){let t=i[0].length,n=new Float64Array(t/2);for(let d of i){let _=0;for(let E of d)_+=E/t;let w=new Float64Array(t),b=new Float64Array(t);for(let E=0;E<t;E++)w[E]=(d[E]-_)*(.5-.5*Math.cos(2*Math.PI*E/t));sv(w,b);for(let E=0;E<t/2;E++)n[E]+=w[E]*w[E]+b[E]*b[E]}let s=e/t,r=Math.ceil(rv/s),o=r,a=0,l=0;for(let d=1;d<t/2;d++)d<r?l+=n[d]:(a+=n[d],n[d]/(d*d)>n[o]/(o*o)&&(o=d));let c=0,h=0;for(let d=Math.max(r-2,o-3);d<=Math.min(t/2-1,o+3);d++)c+=n[d],h+=n[d]*d;let u=c>0?h/c*s:0,f=t*t*3/8,p=2*Math.sqrt(c/f),g=u>0?p/(2*Math.PI*u):0,x=Math.sqrt(2*l/f),m=a>0?Math.min(1,c/a):0;return{frequency:u,amplitude:g,slow:x,share:m,buzzes:g>av&&x<ov&&m>.3}}var $u=1.024,Ul=1024;function zm(i,e=i.last){let t=e-$u,n=i.find(t),s=Math.min(i.held-1,i.find(e));if(i.held<256||i.t[i.place(0)]>t||s-n<128)return null;let r=[i.columns.vx,i.columns.vy,i.columns.vz].map(o=>{let a=new Float64Array(Ul),l=n;for(let c=0;c<Ul;c++){let h=t+$u*c/Ul;for(;l<s&&i.t[i.place(l+1)]<=h;)l++;let u=i.place(l),f=i.place(Math.min(l+1,s)),p=i.t[f]-i.t[u],g=p>0?Math.min(1,Math.max(0,(h-i.t[u])/p)):0;a[c]=o[u]+g*(o[f]-o[u])}return a});return lv(r,Ul/$u)}function Vm(i,e,t=i.last){let{px:n,py:s,pz:r,fx:o,fy:a,fz:l}=i.columns,c=0,h=-1;for(let u=i.find(t-e);u<i.held;u++){let f=i.place(u);if(i.t[f]>t)break;h>=0&&i.t[f]-i.t[h]<.05&&(c+=o[h]*(n[f]-n[h])+a[h]*(s[f]-s[h])+l[h]*(r[f]-r[h])),h=f}return c}function Hm(i,e){if(!i||!i.buzzes)return"";let t=`${(i.amplitude*1e3).toFixed(2)} mm at ${i.frequency.toFixed(0)} Hz`,n=e.vibrations.find(r=>Math.abs(r-i.frequency)<Math.max(3,.05*r));if(n!==void 0)return`The hand vibrates: ${t}, as a vibration of ${n} Hz asks for.`;let s=Number.isFinite(e.kMax)?` (${Math.round(e.kMax)} N/m)`:"";return e.stiffest>e.kMax?`The hand buzzes: ${t}. What it touches asks for ${Math.round(e.stiffest)} N/m, more than the device's k_max${s}; lower the stiffness or add damping of 1 to 3 N s/m.`:e.late>0?`The hand buzzes: ${t}. The servo had ${e.late} late cycles meanwhile, which usually cause this: run knurl doctor; until then lower the stiffness.`:e.textured&&i.frequency>60?`The hand buzzes: ${t}. A texture finer than the encoder usually causes this; give it a longer wavelength, or less amplitude.`:`The hand buzzes: ${t}. A stiffness above the device's k_max${s}, a late servo, or too little damping usually cause this; lower the stiffness or add damping of 1 to 3 N s/m.`}function Gm(i,e){if(i<.02)return"";let t=`In 10 s the device gave the hand ${(i*1e3).toFixed(0)} mJ.`;return e.length?`${t} ${e.join(", ")} may do so; surfaces alone never give more than they took.`:`${t} Surfaces take energy or return it; what gives goes on its own: a moving surface, forces from the application's loop, or a wall that is too stiff.`}var cv=["spring","constant_force","taylor","taylor6","gravity","magnet","constraint","vibration"],Fl=class{constructor(e,t){this.model=e;this.connection=t;for(let n of["arm","disarm","reset"])le(n).addEventListener("click",()=>{this.ask(n)});le("record").addEventListener("click",()=>{this.record()}),le("doctor").addEventListener("click",()=>{this.doctor(!1)}),le("doctor-run").addEventListener("click",()=>{this.doctor(!0)}),e.on("hello",()=>this.roles()),e.on("servo",()=>this.servo()),e.on("selected",()=>this.servo()),e.on("recording",()=>this.roles()),e.on("status",()=>this.clients())}model;connection;lateBefore=new Map;faultsShown="?";recordingSince=0;async ask(e){let t=this.model.current();if(!t)return pt("warning","There is no device.");try{await this.connection().request(e,{device:t.info.i})}catch(n){pt("error",n.message)}}async record(){let e=this.model.current();if(!e)return pt("warning","There is no device.");let t=this.recordingSince>0,n=le("record-name").value.trim()||"knurl.mcap";try{let s=await this.connection().request(t?"stop":"record",{device:e.info.i,file:n});this.recordingSince=t?0:performance.now(),At(le("record-path"),`${t?"Recorded":"Recording"}: ${String(s.path??n)}`),At(le("record"),t?"Record":"Stop"),le("record").classList.toggle("on",!t)}catch(s){pt("error",s.message)}}async doctor(e){let t=le("doctor-verdict");At(t,e?"knurl doctor runs; this takes up to a minute ...":"...");try{let n=await this.connection().request("doctor",e?{run:!0}:{}),s=n.verdict??n.doctor??n.result??n;if(!s.rates){At(t,"knurl doctor has not run here yet.");return}t.replaceChildren(Ue("p",{},s.machine?.date?`Of ${s.machine.date}:`:""),Ue("ul.grades",{},...s.rates.map(r=>Ue("li",{class:r.fitness,title:r.reason},`${r.rate} Hz: ${r.fitness}`))),Ue("ul.findings",{},...(s.findings??[]).filter(r=>r.grade!=="good").map(r=>Ue("li",{class:r.grade},`${r.what}: ${r.says}`,...r.mend?[Ue("code",{},r.mend)]:[]))))}catch(n){At(t,""),pt("error",n.message)}}roles(){let e=this.model.hello,t=this.model.can("control")&&!this.model.recording;for(let n of["arm","disarm","reset","record","record-name","doctor-run"])le(n).disabled=!t;At(le("role"),e?{observe:"looks on",render:"may add",control:"controls"}[e.role]:""),le("role").title="what this page may do: observe, render or control",le("record-box").hidden=!e?.recordings,le("control-why").hidden=t||!e}servo(){let e=this.model.servo,t=le("servo");At(t,e?e.connected?`${e.name} · pid ${e.pid}`:e.trouble||"no servo":""),t.classList.toggle("bad",!!e&&!e.connected);let n=le("devices"),s=[...this.model.devices.values()],r=this.model.current();n.replaceChildren(...s.length>1?s.map(a=>Ue("button.small",{type:"button","aria-pressed":String(a===r),click:()=>(this.model.selected=a.info.i,this.model.tell("selected"))},a.info.name)):[]);let o=r?.info;le("device-facts").replaceChildren(...o?[["device",`${o.name} (${o.address})`],["profile",[o.profile,o.serial].filter(Boolean).join(", ")],["rate",`${o.rate} Hz`],["workspace",`ball of ${Rl(o.radius,"m")}`],["peak force",Rl(o.peak_force,"N")],["k_max",Number.isFinite(r.kMax())?`${Math.round(r.kMax())} N/m`:"not known"],["lag",o.lag?Rl(o.lag,"s"):""]].filter(([,a])=>a).flatMap(([a,l])=>[Ue("dt",{},a),Ue("dd",{},l)]):[Ue("dt",{},"no device"),Ue("dd",{},"")])}slow(){let e=this.model.current(),t=e?this.model.recording?"recording":e.state:"no device",n=le("state");At(n,t),n.dataset.state=t;let s=e?.frame,r=s?Math.hypot(...s.force):0;At(le("readout"),s?`${s.p.map(a=>(1e3*a).toFixed(1).padStart(6)).join(" ")} mm   ${r.toFixed(2)} N`:"");let o=(s?.flags??[]).filter(a=>a!=="touching").map(a=>({clamped:"force limited by the supervisor",stale:"no new sample",guardian:"the guardian had zeroed the motors","near singular":"the arm is near a singular posture",near_singular:"the arm is near a singular posture","at joint limit":"a joint is at its stop",at_joint_limit:"a joint is at its stop"})[a]??a);At(le("flags"),o.join(" · ")),this.faults(e),this.indicators(e),this.recordingSince>0&&At(le("record"),`Stop (${((performance.now()-this.recordingSince)/1e3).toFixed(0)} s)`)}faults(e){let t=e?.frame?.faults??[],n=t.join();if(n===this.faultsShown)return;let s=this.faultsShown;this.faultsShown=n;let r=le("faults");r.hidden=t.length===0,r.replaceChildren(...t.map(o=>{let a=Xu(o);return Ue("div.fault",{"data-fault":a.name},Ue("strong",{},`Fault: ${a.name}`),Ue("p",{},a.cause),Ue("p.remedy",{},a.remedy))}),...t.length&&this.model.can("control")&&!this.model.recording?[Ue("button",{type:"button",click:()=>{this.ask("reset")}},"Reset")]:[]),t.length&&n!==s&&pt("error",`${e?.info.name}: fault ${t.join(", ").replaceAll("_"," ")}: ${Xu(t[0]).cause}`)}situation(e){let t=e.felt.filter(r=>(r.felt?.[2]??0)&1),n=this.lateBefore.get(e)??[],s=performance.now();for(n.push({at:s,count:e.frame?.late??0});n.length>1&&s-n[0].at>2e3;)n.shift();return this.lateBefore.set(e,n),{kMax:e.kMax(),stiffest:Math.max(0,...t.map(r=>{let o=Et(r.params.stiffness);return Number.isFinite(o)?o/(e.claims.get(r.claim)?.frame.scale||1):0})),late:Math.max(0,n[n.length-1].count-n[0].count),vibrations:[...e.items.values()].filter(r=>r.kind==="vibration"&&Et(r.params.amplitude)>0).map(r=>Et(r.params.frequency,100)),textured:t.some(r=>Et(r.params["texture.amplitude"])>0||Et(r.params["snag.k_stick"])>0)}}indicators(e){let t=e?.history.held??0,n=this.model.now(),s=e&&t?zm(e.history,n):null,r=e&&t?Vm(e.history,10,n):0;At(le("buzz"),s?s.slow>.03&&!s.buzzes?"moves":s.buzzes?`${(s.amplitude*1e3).toFixed(2)} mm at ${s.frequency.toFixed(0)} Hz`:"quiet":"–"),le("buzz").classList.toggle("bad",!!s?.buzzes),At(le("energy"),t?`${r*1e3>0?"+":""}${(r*1e3).toFixed(1)} mJ`:"–");let o=e?[...new Set([...e.items.values()].filter(l=>cv.includes(l.kind)).map(l=>l.kind.replaceAll("_"," ")))]:[],a=e?[Hm(s,this.situation(e)),Gm(r,o)].filter(Boolean):[];At(le("advice"),a.join(" ")),le("advice").hidden=a.length===0,le("advice-over").hidden=!s?.buzzes,At(le("advice-over"),s?.buzzes?a[0]:"")}clients(){let e=this.model.current(),t=e?.status,n=le("servo-facts"),s=t?Object.entries(t.parts).map(([r,o])=>`${r} ${o<100?o.toFixed(2):o.toFixed(0)}`).join("  "):"";At(n,t?`${t.rate.toFixed(1)} of ${e.info.rate} Hz · busy ${(100*t.busy).toFixed(2)} % · cycle ${t.step.toFixed(1)} µs
+lateness median ${t.late_median.toFixed(1)} µs, at most ${t.late_max.toFixed(1)} µs · ${t.late} late cycles · ${t.overruns} overruns
+cycle µs: ${s}`:"No servo is connected."),n.classList.toggle("bad",!!t&&t.rate<.98*e.info.rate),le("clients").replaceChildren(...(t?.clients??[]).map(r=>{let o=Object.entries(r.representations??{}).map(([c,h])=>`${h} ${c.replaceAll("_"," ")}`).join(", "),a=r.scales?Object.entries(r.scales).filter(([,c])=>c<.995).map(([c,h])=>`${c} ×${h.toFixed(2)}`):[],l=[r.silent?"silent":"",r.shed?"shed":"",r.armed?"armed":""].filter(Boolean);return Ue("tr",{class:r.silent||r.shed?"bad":""},Ue("td",{},Ue("b",{},r.name||"unnamed"),Ue("small",{},` ${r.pid} ${l.join(" ")}`)),...r.observer?[Ue("td",{colspan:4},"observes"),Ue("td",{},String(r.missed))]:[Ue("td",{},r.rate.toFixed(1)),Ue("td",{},r.age?`${(r.age*1e3).toFixed(2)}`:"–"),Ue("td",{title:`commits ${r.commits}, merged ${r.merged}, refused ${r.refused}`},`${r.merged}/${r.refused}`),Ue("td",{},r.gain.toFixed(2)),Ue("td",{},String(r.missed))],...r.observer?[]:[Ue("td.what",{},o||"nothing",...a.length?[Ue("small.warn",{},` ${a.join(" ")}`)]:[])])}))}};function vi(i){let e=String(+i.toPrecision(9));return e==="-0"?"0":e}function hv(i){return/[.e]/.test(i)?i:`${i}.0`}function uv(i,e){if(i===void 0)return!1;let t=r=>Array.isArray(r)?r.flat():[r],n=t(i),s=t(e);return n.length!==s.length||n.some((r,o)=>typeof r=="number"&&typeof s[o]=="number"?Math.abs(r-s[o])>1e-12*Math.max(1,Math.abs(r)):r!==s[o])}function Yu(i){let e=new Map;return i.map(({kind:t})=>{let n=(e.get(t)??0)+1;return e.set(t,n),n===1?t:`${t}_${n}`})}function Zu(i,e){return(i?.fields??[]).filter(t=>uv(e[t.name],t.default)).map(t=>[t,e[t.name]])}function Ku(i,e){let t=e.flat(),n=i.count===36||t.length===36?6:3;return Array.from({length:n},(s,r)=>t.slice(r*n,r*n+n))}function fv(i,e){let t=n=>`[${n.map(vi).join(", ")}]`;return typeof e=="string"?e==="inf"||e==="-inf"?e:JSON.stringify(e):typeof e=="number"?vi(e):i.type==="matrix"?`[${Ku(i,e).map(t).join(", ")}]`:i.type==="points"?`[${e.map(t).join(", ")}]`:t(e)}function Xm(i){let e=["# A scene of Knurl, for `knurl eval --scene` and `knurl replay --scene`. Lengths in m, forces in N.",""],t=[...i.probes].sort((o,a)=>o[0]-a[0]),n=Math.max(-1,...t.map(([o])=>o));for(let o=0;o<=n;o++){let a=t.find(([l])=>l===o);e.push("[[probe]]",`offset = [${(a?.[1]??[0,0,0]).map(vi).join(", ")}]`,`radius = ${vi(a?.[2]??0)}`,"")}let s=new Map;for(let o of i.items){let a=o.params.asset;typeof a=="number"&&a>0&&!s.has(a)&&s.set(a,s.size+1)}for(let[o,a]of s){let l=i.assets.find(c=>c.number===o);e.push(`[[asset]]  # asset ${a}`,`mesh = ${JSON.stringify(l?.file||"PUT-THE-FILE-HERE.stl")}`,`unit = ${JSON.stringify(l?.unit??"m")}`,"")}let r=Yu(i.items);return i.items.forEach((o,a)=>{e.push(`[[${o.kind}]]`,`id = ${JSON.stringify(r[a])}`),o.probe&&e.push(`probe = ${o.probe}`);for(let[l,c]of Zu(i.kinds.get(o.kind),o.params))e.push(`${l.name} = ${l.name==="asset"?s.get(c)??0:fv(l,c)}`);e.push("")}),e.join(`
+`)}function Ju(i){return i.replace(/(?:^|_)(\w)/g,(e,t)=>t.toUpperCase())}var dv={update:"PlaneUpdate",combine:"PlaneCombine",side:"Side",sides:"Sides",edge:"TaylorEdge",shape:"ConstraintShape",shading:"Shading","snag.law":"SnagLaw","texture.pattern":"TexturePattern"};function qu(i){return i.replace(/(^|\.)static$/,"$1static_")}function pv(i,e){let t=n=>`{${n.map(vi).join(", ")}}`;return i.type==="choice"?`knurl::${dv[i.name]??Ju(i.name)}::${String(e)}`:e==="inf"?"std::numeric_limits<double>::infinity()":e==="-inf"?"-std::numeric_limits<double>::infinity()":e==="automatic"?"knurl::automatic":typeof e=="number"?vi(e):i.type==="matrix"?`{.at = ${t(Ku(i,e).flat())}}`:i.type==="points"?`{.at = {${e.map(t).join(", ")}}, .count = ${e.length}}`:t(e)}function $m(i){let e=Yu(i.items).map(n=>n==="union"?"union_":n),t=["#include <chrono>","#include <cstdio>","#include <limits>","#include <thread>","","#include <knurl/client/client.hpp>","","using namespace std::chrono_literals;","","int main() try {",'    auto client = knurl::Client::connect("knurl:default");',`    auto hand = client.claim(${JSON.stringify(i.device)});`];for(let[n,s,r]of i.probes)t.push(`    hand.place_probe(${n}, {.offset = {${s.map(vi).join(", ")}}, .radius = ${vi(r)}});`);return i.items.forEach((n,s)=>{t.push("",`    knurl::${Ju(n.kind)} ${e[s]};`);for(let[r,o]of Zu(i.kinds.get(n.kind),n.params))if(r.name==="asset"){let a=i.assets.find(l=>l.number===o)?.file;t.push(`    // ${e[s]}.asset = hand.send(knurl::Triangles{...}).asset;  // the mesh${a?` of ${a}`:""}, read by your program`)}else t.push(`    ${e[s]}.${qu(r.name)} = ${pv(r,o)};`);t.push(`    auto ${e[s]}_handle = hand.add(${e[s]}${n.probe?`, {.probe = ${n.probe}}`:""});`)}),t.push("","    hand.arm();  // force may follow","    while (auto frame = hand.newest(1s)) {","        hand.commit();  // with HANDLE.set(...) before: one cycle, all of it",'        std::printf("%+.2f mm, %.2f N\\n", frame->position.z * 1e3, frame->sent_force.z);',"        std::this_thread::sleep_for(16ms);","    }","} catch (const knurl::Error& error) {",'    return std::fprintf(stderr, "%s\\n", error.what()), 1;',"}",""),t.join(`
+`)}function Wm(i,e){let t=n=>`(${n.map(vi).join(", ")})`;return e==="inf"?"knurl.INFINITY":e==="-inf"?"-knurl.INFINITY":e==="automatic"?"knurl.AUTOMATIC":typeof e=="string"?JSON.stringify(e):typeof e=="number"?i.type==="integer"?vi(e):hv(vi(e)):i.type==="matrix"?`(${Ku(i,e).map(t).join(", ")})`:i.type==="points"?`[${e.map(t).join(", ")}]`:t(e)}function qm(i){let e=Yu(i.items),t=["import knurl","",`with knurl.connect() as client, client.claim(${JSON.stringify(i.device)}) as hand:`];for(let[n,s,r]of i.probes)t.push(`    hand.place_probe(${n}, offset=(${s.map(vi).join(", ")}), radius=${vi(r)})`);return i.items.forEach((n,s)=>{let r=Zu(i.kinds.get(n.kind),n.params),o=r.filter(([c])=>!c.name.includes(".")&&c.name!=="asset").map(([c,h])=>`${qu(c.name)}=${Wm(c,h)}`);if(typeof n.params.asset=="number"&&n.params.asset>0){let c=i.assets.find(h=>h.number===n.params.asset)?.file??"the mesh";t.push(`    # sent_${e[s]} = hand.send_mesh(vertices, faces)  # ${c}, in m`),o.push(`# asset=sent_${e[s]}.asset`)}let a=o.findIndex(c=>c.startsWith("#")),l=a>=0?`  ${o.splice(a,1)[0]}`:"";t.push(`    ${e[s]} = knurl.${Ju(n.kind)}(${o.join(", ")})${l}`);for(let[c,h]of r)c.name.includes(".")&&t.push(`    ${e[s]}.${qu(c.name)} = ${Wm(c,h)}`);t.push(`    ${e[s]} = hand.add(${e[s]}${n.probe?`, probe=${n.probe}`:""})`)}),t.push("    hand.arm()","    for report in hand.reports(rate=60):  # sends what has changed, each turn",'        print(f"{1e3 * report.position[2]:+.2f} mm, {report.sent_force[2]:.2f} N")',""),t.join(`
+`)}function mv(i,e,t=0){let{radius:n}=e,s=Number.isFinite(e.kMax)?e.kMax:1e3,r=(a,l,c=!1)=>({low:Math.max(a,Et(i.minimum,-1/0)),high:Math.min(l,Et(i.maximum,1/0)),log:c}),o=i.name;if(o.startsWith("friction.")&&i.unit==="1")return r(0,2);if(o.startsWith("snag.d"))return r(1e-5,.01,!0);if(o==="snag.k_stick")return r(10,5e3,!0);if(o==="snag.k_kinetic")return r(0,2);if(o==="texture.amplitude")return r(1e-6,.001,!0);if(o==="texture.wavelength")return r(6e-5,.02,!0);if(o==="velocity")return r(-.1,.1);if(i.type==="vector")switch(i.unit){case"m":return o==="half_size"?r(0,n):o==="attach"?r(-n,n):{low:e.centre[t]-1.2*n,high:e.centre[t]+1.2*n,log:!1};case"N":return r(-e.peakForce,e.peakForce);case"N m":return r(-e.peakTorque,e.peakTorque);case"m/s^2":return r(-20,20);case"rad/s":return r(-6,6);default:return r(-1,1)}switch(i.unit){case"N/m":return r(5,1.2*s,!0);case"N s/m":return r(.02,20,!0);case"N m s/rad":return r(1e-5,.05,!0);case"m":return Et(i.minimum,0)<0?r(-1.2*n,1.2*n):r(n/500,1.2*n,!0);case"1/m":return r(-200,200);case"N":return r(.01,e.peakForce,!0);case"kg":return r(.001,1,!0);case"s":return r(.001,2,!0);case"Hz":return r(1,400,!0);case"rad":return r(.01,Math.PI/2);default:return r(Math.max(-10,Et(i.minimum,-10)),Math.min(10,Et(i.maximum,10)))}}function gv(i,e){if(!e.log)return Math.round(1e3*(i-e.low)/(e.high-e.low||1));if(i<=0)return 0;let t=1+999*Math.log(i/e.low)/Math.log(e.high/e.low);return Math.round(Math.min(1e3,Math.max(1,t)))}function Ym(i,e,t=!0){return+(e.log?i<=0&&t?0:e.low*(e.high/e.low)**((Math.max(1,i)-1)/999):e.low+i/1e3*(e.high-e.low)).toPrecision(4)}var $i=(i,e)=>Math.round(e*(Number.isFinite(i.kMax)?i.kMax:1e3)),Km=[{name:"Floor",kind:"plane",params:i=>({normal:[0,0,1],offset:i.centre[2]-.15*i.radius,stiffness:$i(i,.35),damping:1})},{name:"Wall",kind:"plane",params:i=>({normal:[1,0,0],offset:i.centre[0]-.35*i.radius,stiffness:$i(i,.5),damping:1})},{name:"Soft ball",kind:"sphere",params:i=>({center:[i.centre[0]-.1*i.radius,i.centre[1],i.centre[2]-.3*i.radius],radius:.3*i.radius,stiffness:$i(i,.1),damping:1})},{name:"Box",kind:"box",params:i=>({center:[i.centre[0],i.centre[1],i.centre[2]-.4*i.radius],half_size:[.35*i.radius,.35*i.radius,.2*i.radius],stiffness:$i(i,.35),damping:1})},{name:"Room",kind:"box",params:i=>({center:[...i.centre],half_size:[.6*i.radius,.6*i.radius,.6*i.radius],side:"inside",stiffness:$i(i,.35),damping:1})},{name:"Icy floor",kind:"plane",params:i=>({offset:i.centre[2]-.15*i.radius,stiffness:$i(i,.6),"friction.static":.05,"friction.dynamic":.03})},{name:"Sandpaper",kind:"plane",params:i=>({offset:i.centre[2]-.15*i.radius,stiffness:$i(i,.6),damping:1,"snag.k_kinetic":.6,"snag.k_stick":2e3,"snag.d_snap":45e-5,"snag.d_mean":4e-4,"snag.d_spread":2e-4})},{name:"Rubber",kind:"plane",params:i=>({offset:i.centre[2]-.15*i.radius,stiffness:Math.min(600,$i(i,.8)),damping:3,"friction.static":1.1,"friction.dynamic":.8})},{name:"Spring to here",kind:"spring",params:(i,e)=>({anchor:[...e],stiffness:60,damping:1})},{name:"Magnet",kind:"magnet",params:i=>({position:[...i.centre],radius:.2*i.radius,stiffness:200,max_force:Math.min(2,.4*i.peakForce),max_distance:.3*i.radius})},{name:"Viscous water",kind:"viscosity",params:()=>({damping:3})},{name:"Vibration",kind:"vibration",params:()=>({direction:[0,0,1],amplitude:.4,frequency:80})},{name:"Gravity",kind:"gravity",params:()=>({mass:.1})},{name:"Rail",kind:"constraint",params:i=>({shape:"line",origin:[...i.centre],direction:[0,1,0],stiffness:$i(i,.2),damping:1})},{name:"Bowl field",kind:"taylor",params:i=>({origin:[...i.centre],jacobian:[-60,0,0,0,-60,0,0,0,-60],radius:.6*i.radius,edge:"fade"})}];function _v(i,e,t){let n=Km.find(l=>l.kind===i);if(n)return n.params(e,t);let s={stiffness:$i(e,.35),damping:1},r=e.centre,o=e.radius,a=[r[0],r[1],r[2]-.3*o];switch(i){case"cap":return{foot:a,curvature:-1/o,...s};case"polygon":return{vertices:[[-1,-1],[1,-1],[1,1],[-1,1]].map(([l,c])=>[r[0]+.4*o*l,r[1]+.4*o*c,a[2]]),...s};case"half_plane":return{offset:a[2],edge:[1,0,0],edge_offset:r[0],...s};case"capsule":return{center:a,axis:[0,1,0],half_length:.25*o,radius:.12*o,...s};case"cylinder":return{center:a,half_length:.15*o,radius:.25*o,...s};case"torus":return{center:a,radius:.3*o,tube:.08*o,...s};case"constant_force":return{force:[0,0,-Math.min(1,.2*e.peakForce)]};case"taylor6":return{origin:[...r],radius:.5*o};default:return{}}}function yv([i,e,t]){let[n,s,r,o,a,l]=[i,e,t].flatMap(c=>[Math.cos(c/2),Math.sin(c/2)]);return[n*r*a+s*o*l,s*r*a-n*o*l,n*o*a+s*r*l,n*r*l-s*o*a]}function Zm([i,e,t,n]){return[Math.atan2(2*(i*e+t*n),1-2*(e*e+t*t)),Math.asin(Math.max(-1,Math.min(1,2*(i*t-n*e)))),Math.atan2(2*(i*n+e*t),1-2*(t*t+n*n))]}var xv=["center","position","anchor","origin","foot"],Ol=class{constructor(e,t){this.model=e;this.connection=t;le("presets").append(...Km.map(n=>Ue("button.small",{type:"button","data-preset":n.name,click:()=>{this.addPreset(n)}},n.name))),le("add").addEventListener("click",()=>{this.addKind()}),le("clear").addEventListener("click",()=>{this.clear()}),le("arm-mine").addEventListener("click",()=>{this.ask("arm")});for(let[n,s,r]of[["to-toml","scene.toml",Xm],["to-cpp","scene.cpp",$m],["to-python","scene.py",qm]])le(n).addEventListener("click",()=>{let o=this.exported();if(!o)return pt("warning","There is nothing to export: nobody has added anything.");let a=r(o);le("exported").value=a,le("export-name").textContent=s,le("export-dialog").showModal()});le("export-save").addEventListener("click",()=>Mr(le("export-name").textContent??"scene.txt",le("exported").value)),le("export-copy").addEventListener("click",()=>{let n=le("exported");navigator.clipboard?.writeText(n.value).then(()=>pt("info","Copied."),()=>(n.select(),pt("warning","The browser does not let the page copy: press Ctrl+C.")))}),le("mesh-file").addEventListener("change",n=>{let s=n.target;for(let r of s.files??[])this.loadMesh(r);s.value=""}),e.on("hello",()=>this.kinds()),e.on("scene",()=>this.show()),e.on("selected",()=>this.show())}model;connection;slot=null;rows=[];shownKey="";listed="";waiting=new Map;local=new Map;touchedAt=0;files=new Map;get device(){return this.model.recording?void 0:this.model.current()}reach(e){let t=e.mine()?.frame,n=t?.scale??1,s=e.info.centre,r=t?[0,1,2].map(o=>(s[o]-t.device_centre[o])*n+t.world_centre[o]):s;return{kMax:e.kMax()/(n||1),radius:e.info.radius*n,centre:r,peakForce:e.info.peak_force||8,peakTorque:e.info.peak_torque||.2}}hand(e){let t=e.frame?.p??e.info.centre,n=e.mine()?.frame;return n?[0,1,2].map(s=>(t[s]-n.device_centre[s])*n.scale+n.world_centre[s]):[...t]}kinds(){le("kind").replaceChildren(...[!0,!1].map(t=>Ue("optgroup",{label:t?"surfaces":"effects"},...[...this.model.kinds.values()].filter(n=>n.surface===t).map(n=>Ue("option",{value:n.name},n.name.replaceAll("_"," "))))));let e=this.model.can("render");le("playground-body").toggleAttribute("inert",!e),le("playground-why").hidden=e,le("arm-mine").hidden=!this.model.can("control"),this.shownKey="",this.show()}async request(e,t){try{return await this.connection().request(e,t)}catch(n){return pt("error",n.message),null}}async ask(e){let t=this.device;t&&await this.request(e,{device:t.info.i})}async add(e,t){let n=this.device;if(!n)return pt("warning","There is no device to add something to.");let s=Number(le("probe").value)||0,r=await this.request("add",{device:n.info.i,kind:e,params:t,probe:s});if(!r)return;this.slot=r.slot;let o=Et(t.stiffness),a=Et(r.applied_stiffness);a>0&&Number.isFinite(o)&&a<.999*o&&pt("info",`The device allows ${Math.round(a)} N/m of the ${Math.round(o)} N/m that were asked for.`),this.shownKey="",this.show(),n.state==="idle"&&pt("info",this.model.can("control")?"Added. No force yet: press Arm.":"Added. No force yet: a page with the role control has to arm.")}addPreset(e){let t=this.device;return t?this.add(e.kind,e.params(this.reach(t),this.hand(t))):Promise.resolve(pt("warning","There is no device to add something to."))}addKind(){let e=this.device;if(!e)return Promise.resolve(pt("warning","There is no device to add something to."));let t=le("kind").value;return this.add(t,_v(t,this.reach(e),this.hand(e)))}async clear(){let e=this.device;e&&await this.request("clear",{device:e.info.i})}change(e,t,n){let s=`${e.info.i}:${t}`;this.local.set(s,{...this.local.get(s),...n});let r=this.waiting.get(s)??{device:e.info.i,slot:t,params:{},busy:!1};Object.assign(r.params,n),this.waiting.set(s,r),this.touchedAt=performance.now(),r.busy||this.send(s)}async send(e){let t=this.waiting.get(e);if(t){for(t.busy=!0;Object.keys(t.params).length;){let n=t.params;if(t.params={},!await this.request("set",{device:t.device,slot:t.slot,params:n}))break}this.waiting.delete(e),window.setTimeout(()=>{this.waiting.has(e)||(this.local.delete(e),this.refresh())},300)}}drag(e,t,n){let s={...t.params,...this.local.get(`${e.info.i}:${t.slot}`)},r=xv.find(a=>Array.isArray(s[a])&&s[a].length===3),o=a=>a.map((l,c)=>l+n[c]);r?this.change(e,t.slot,{[r]:o(s[r])}):t.kind==="polygon"?this.change(e,t.slot,{vertices:s.vertices.map(o)}):Array.isArray(s.normal)&&this.change(e,t.slot,{offset:Et(s.offset)+s.normal.reduce((a,l,c)=>a+l*n[c],0)}),this.refresh()}show(){let e=this.device,t=e?.mine(),n=e&&t?this.model.itemsOf(e,t.claim):[];(this.slot===null||!n.some(c=>c.slot===this.slot))&&(this.slot=n.length?n[n.length-1].slot:null);let s=le("items"),r=n.map(c=>`${c.slot}:${c.kind}:${c.slot===this.slot}`).join()+String(n.length);r!==this.listed&&(this.listed=r,s.replaceChildren(...n.map(c=>Ue("li",{},Ue("button.item",{type:"button","aria-pressed":String(c.slot===this.slot),click:()=>(this.slot=c.slot,this.shownKey="",this.show())},`${c.kind.replaceAll("_"," ")} `,Ue("small",{},`slot ${c.slot}`)),Ue("button.small.remove",{type:"button","aria-label":`remove ${c.kind} in slot ${c.slot}`,title:"remove",click:()=>{this.request("remove",{device:e.info.i,slot:c.slot})}},"✕"))))),le("items-empty").hidden=n.length>0;let o=n.find(c=>c.slot===this.slot),a=le("editor");if(a.hidden=!o,!o||!e||!t){this.shownKey="";return}let l=`${e.info.i}:${t.claim}:${o.slot}:${o.generation}:${o.kind}`;l!==this.shownKey&&(this.shownKey=l,this.build(e,o)),this.refresh()}refresh(){let e=this.device,t=e?.mine();if(!e||!t||this.slot===null)return;let n=e.items.get(`${t.claim}:${this.slot}`);if(!n)return;let s={...n.params,...this.local.get(`${e.info.i}:${n.slot}`)};for(let r of this.rows)r.show(s[r.field.name]??r.field.default)}build(e,t){let n=this.model.kinds.get(t.kind),s=le("editor");this.rows=[];let r=new Map;s.replaceChildren(Ue("h3",{},`${t.kind.replaceAll("_"," ")}, slot ${t.slot}`));for(let o of n?.fields??[]){let a=o.name.includes(".")?o.name.split(".")[0]:["recovery","braking","velocity","angular_velocity","update","combine"].includes(o.name)&&n?.surface?"more":"",l=s;a&&(l=r.get(a)??Ue("details",{},Ue("summary",{},a)),r.has(a)||(r.set(a,l),(n?.fields??[]).some(h=>h.name.startsWith(`${a}.`)&&Et(t.params[h.name])>0&&h.type==="real"&&t.params[h.name]!==h.default)&&l.setAttribute("open",""))),l.append(this.row(e,t,o))}s.append(...r.values())}row(e,t,n){let s=this.reach(e),r=d=>this.change(e,t.slot,{[n.name]:d}),o=()=>this.local.get(`${e.info.i}:${t.slot}`)?.[n.name]??e.items.get(`${t.claim}:${t.slot}`)?.params[n.name]??n.default,a=n.name.includes(".")?n.name.split(".")[1]:n.name,l=Ue("div.label",{title:`${n.meaning}${n.unit?` (${n.unit})`:""}`},a.replaceAll("_"," "),Ue("span.unit",{},n.unit&&n.unit!=="1"?` ${n.unit}`:"")),c=Ue("div.field",{"data-field":n.name},l),h=d=>document.activeElement===d&&performance.now()-this.touchedAt<1500;if(n.type==="choice"){let d=Ue("select",{"aria-label":n.name},...(n.choices??[]).map(_=>Ue("option",{value:_},_.replaceAll("_"," "))));return d.addEventListener("change",()=>r(d.value)),c.append(d),this.rows.push({field:n,show:_=>{d.value=String(_)}}),c}if(n.type==="matrix"||n.type==="points"){let d=Ue("textarea",{"aria-label":n.name,rows:n.type==="matrix"?n.count===36||n.count===6?6:3:4,spellcheck:"false"});return d.addEventListener("change",()=>{let _=d.value.trim().split(`
+`).map(w=>w.trim().split(/[\s,]+/).map(Number));if(_.some(w=>w.some(b=>!Number.isFinite(b))))return pt("error",`${t.kind}.${n.name}: numbers, row by row, separated by spaces`);r(n.type==="matrix"?_.flat():_)}),c.append(d),c.classList.add("wide"),this.rows.push({field:n,show:_=>{if(document.activeElement===d||!Array.isArray(_))return;let w=_;if(!Array.isArray(_[0])){let b=Math.sqrt(_.length);w=Array.from({length:b},(E,S)=>_.slice(S*b,S*b+b))}d.value=w.map(b=>b.map(E=>+E.toPrecision(5)).join(" ")).join(`
+`)}}),c}if(n.type==="integer"){let d=Ue("input",{type:"number",min:Et(n.minimum,0),max:Et(n.maximum,4294967295),step:1,"aria-label":n.name});return d.addEventListener("change",()=>r(Math.round(Number(d.value))||0)),c.append(d),this.rows.push({field:n,show:_=>{document.activeElement===d||(d.value=String(_))}}),c}let u=n.type==="vector"||n.type==="quaternion",f=n.type==="quaternion",p=!u&&(n.default==="automatic"?"automatic":n.maximum==="inf"?"inf":""),g=[],x=(d,_)=>{if(!Number.isFinite(_))return;if(!u)return r(_);let w=f?Zm(o()):[...o()].map(b=>Et(b));w[d]=f?_*Math.PI/180:_,r(f?yv(w):w)};for(let d=0;d<(u?3:1);d++){let _=f?{low:-180,high:180,log:!1}:mv(n,s,d),w=u?`${n.name} ${"xyz"[d]}`:n.name,b=Ue("input",{type:"range",min:0,max:1e3,step:1,"aria-label":w}),E=Ue("input",{type:"number",step:"any","aria-label":`${w}, as a number`}),S=Et(n.minimum,0)<=0;b.addEventListener("input",()=>{let M=Ym(Number(b.value),_,S);E.value=String(M),x(d,M)}),E.addEventListener("change",()=>{if(E.value.trim()===""||!Number.isFinite(Number(E.value)))return pt("error",`${t.kind}.${n.name}: a number is missing`);x(d,Number(E.value))});let y=Ue("div.slide",{},u?Ue("span.axis",{"data-axis":"xyz"[d]},"xyz"[d]):Ue("span.axis"),b,E);g.push({slider:b,number:E,range:_}),c.append(y)}let m=null;return p&&(m=Ue("input",{type:"checkbox","aria-label":`${n.name} ${p}`}),m.addEventListener("change",()=>r(m.checked?p:p==="inf"?Number.isFinite(s.kMax)&&n.unit==="N/m"?Math.round(.35*s.kMax):.1:Ym(300,g[0].range))),c.append(Ue("label.check",{},m,p==="inf"?n.unit==="N/m"?"as stiff as the device allows":"endless":p))),this.rows.push({field:n,show:d=>{m&&(m.checked=d===p);let _=f?Zm(d).map(w=>w*180/Math.PI):u?d.map(w=>Et(w)):[Et(d,NaN)];g.forEach(({slider:w,number:b,range:E},S)=>{let y=!Number.isFinite(_[S]);w.disabled=b.disabled=y&&p!=="",h(w)||(w.value=String(y?d==="inf"?1e3:0:gv(_[S],E))),document.activeElement!==b&&(b.value=y?"":String(+_[S].toPrecision(4)))})}}),c}async loadMesh(e){let t=this.device;if(!t)return pt("warning","There is no device to send a mesh to.");if(!this.model.can("render"))return pt("error",`${e.name}: this page may only look on; start knurl-web with the role render or control`);if(!/\.(stl|obj|ply)$/i.test(e.name))return pt("error",`${e.name}: neither STL, OBJ nor PLY; export it as one of these`);let n=le("mesh-unit").value;At(le("mesh-state"),`Sending ${e.name}, ${(e.size/1e6).toFixed(1)} MB ...`);try{let s=await fetch(`./mesh?device=${t.info.i}&name=${encodeURIComponent(e.name)}&unit=${n}`,{method:"POST",body:e}),r=await s.text(),o={};try{o=JSON.parse(r)}catch{}if(!s.ok||!o.ok||typeof o.asset!="number")throw new Error(o.error??`refused (${s.status})`);this.files.set(`${t.info.i}:${o.asset}`,{number:o.asset,file:e.name,unit:n}),At(le("mesh-state"),`${e.name}: ${o.triangles} triangles, asset ${o.asset}.`);let a=this.reach(t);await this.add("shape",{asset:o.asset,position:a.centre,stiffness:$i(a,.3),damping:1})}catch(s){At(le("mesh-state"),""),pt("error",`${e.name}: ${s.message}`)}}exported(){let e=this.model.current();if(!e)return null;let t=e.mine()??[...e.claims.values()].find(r=>this.model.itemsOf(e,r.claim).length>0);if(!t)return null;let n=this.model.itemsOf(e,t.claim);if(!n.length)return null;let s=[...this.files].filter(([r])=>r.startsWith(`${e.info.i}:`)).map(([,r])=>r);return{kinds:this.model.kinds,items:n,assets:s,probes:t.probes,device:e.info.name}}};function vv({polynomial:i,numTables:e}){let t=new Uint32Array(256*e);for(let n=0;n<256;n++){let s=n;s=(s&1)*i^s>>>1,s=(s&1)*i^s>>>1,s=(s&1)*i^s>>>1,s=(s&1)*i^s>>>1,s=(s&1)*i^s>>>1,s=(s&1)*i^s>>>1,s=(s&1)*i^s>>>1,s=(s&1)*i^s>>>1,t[n]=s}for(let n=256;n<t.length;n++){let s=t[n-256];t[n]=t[s&255]^s>>>8}return t}var cs=vv({polynomial:3988292384,numTables:8});function ju(){return-1}function Qu(i,e){let t=e.byteLength,n=new DataView(e.buffer,e.byteOffset,t),s=i,r=0,o=-n.byteOffset&3;for(;r<o&&r<t;r++)s=cs[(s^n.getUint8(r))&255]^s>>>8;if(r===t)return s;r=o;let a=t-r;for(;a>=8;r+=8,a-=8){s^=n.getUint32(r,!0);let l=n.getUint32(r+4,!0);s=cs[0*256+(l>>>24&255)]^cs[1*256+(l>>>16&255)]^cs[2*256+(l>>>8&255)]^cs[3*256+(l>>>0&255)]^cs[4*256+(s>>>24&255)]^cs[5*256+(s>>>16&255)]^cs[6*256+(s>>>8&255)]^cs[7*256+(s>>>0&255)]}for(let l=r;l<t;l++)s=cs[(s^n.getUint8(l))&255]^s>>>8;return s}function ef(i){return(i^-1)>>>0}function Sr(i){return ef(Qu(ju(),i))}var Bt=function(i,e,t,n){function s(r){return r instanceof t?r:new t(function(o){o(r)})}return new(t||(t=Promise))(function(r,o){function a(h){try{c(n.next(h))}catch(u){o(u)}}function l(h){try{c(n.throw(h))}catch(u){o(u)}}function c(h){h.done?r(h.value):s(h.value).then(a,l)}c((n=n.apply(i,e||[])).next())})},Dt=function(i,e){var t={label:0,sent:function(){if(r[0]&1)throw r[1];return r[1]},trys:[],ops:[]},n,s,r,o=Object.create((typeof Iterator=="function"?Iterator:Object).prototype);return o.next=a(0),o.throw=a(1),o.return=a(2),typeof Symbol=="function"&&(o[Symbol.iterator]=function(){return this}),o;function a(c){return function(h){return l([c,h])}}function l(c){if(n)throw new TypeError("Generator is already executing.");for(;o&&(o=0,c[0]&&(t=0)),t;)try{if(n=1,s&&(r=c[0]&2?s.return:c[0]?s.throw||((r=s.return)&&r.call(s),0):s.next)&&!(r=r.call(s,c[1])).done)return r;switch(s=0,r&&(c=[c[0]&2,r.value]),c[0]){case 0:case 1:r=c;break;case 4:return t.label++,{value:c[1],done:!1};case 5:t.label++,s=c[1],c=[0];continue;case 7:c=t.ops.pop(),t.trys.pop();continue;default:if(r=t.trys,!(r=r.length>0&&r[r.length-1])&&(c[0]===6||c[0]===2)){t=0;continue}if(c[0]===3&&(!r||c[1]>r[0]&&c[1]<r[3])){t.label=c[1];break}if(c[0]===6&&t.label<r[1]){t.label=r[1],r=c;break}if(r&&t.label<r[2]){t.label=r[2],t.ops.push(c);break}r[2]&&t.ops.pop(),t.trys.pop();continue}c=e.call(i,t)}catch(h){c=[6,h],s=0}finally{n=r=0}if(c[0]&5)throw c[1];return{value:c[0]?c[1]:void 0,done:!0}}},bi=function(i,e){var t=typeof Symbol=="function"&&i[Symbol.iterator];if(!t)return i;var n=t.call(i),s,r=[],o;try{for(;(e===void 0||e-- >0)&&!(s=n.next()).done;)r.push(s.value)}catch(a){o={error:a}}finally{try{s&&!s.done&&(t=n.return)&&t.call(n)}finally{if(o)throw o.error}}return r},Di=function(i,e,t){if(t||arguments.length===2)for(var n=0,s=e.length,r;n<s;n++)(r||!(n in e))&&(r||(r=Array.prototype.slice.call(e,0,n)),r[n]=e[n]);return i.concat(r||Array.prototype.slice.call(e))},Jm=function(i){var e=typeof Symbol=="function"&&Symbol.iterator,t=e&&i[e],n=0;if(t)return t.call(i);if(i&&typeof i.length=="number")return{next:function(){return i&&n>=i.length&&(i=void 0),{value:i&&i[n++],done:!i}}};throw new TypeError(e?"Object is not iterable.":"Symbol.iterator is not defined.")},XE=(function(){function i(e){e===void 0&&(e=i.minComparator);var t=this;this.compare=e,this.heapArray=[],this._limit=0,this.offer=this.add,this.element=this.peek,this.poll=this.pop,this._invertedCompare=function(n,s){return t.compare(n,s).then(function(r){return-1*r})}}return i.getChildrenIndexOf=function(e){return[e*2+1,e*2+2]},i.getParentIndexOf=function(e){if(e<=0)return-1;var t=e%2?1:2;return Math.floor((e-t)/2)},i.getSiblingIndexOf=function(e){if(e<=0)return-1;var t=e%2?1:-1;return e+t},i.minComparator=function(e,t){return Bt(this,void 0,void 0,function(){return Dt(this,function(n){return e>t?[2,1]:e<t?[2,-1]:[2,0]})})},i.maxComparator=function(e,t){return Bt(this,void 0,void 0,function(){return Dt(this,function(n){return t>e?[2,1]:t<e?[2,-1]:[2,0]})})},i.minComparatorNumber=function(e,t){return Bt(this,void 0,void 0,function(){return Dt(this,function(n){return[2,e-t]})})},i.maxComparatorNumber=function(e,t){return Bt(this,void 0,void 0,function(){return Dt(this,function(n){return[2,t-e]})})},i.defaultIsEqual=function(e,t){return Bt(this,void 0,void 0,function(){return Dt(this,function(n){return[2,e===t]})})},i.print=function(e){function t(h){var u=i.getParentIndexOf(h);return Math.floor(Math.log2(u+1))}function n(h,u){for(var f="";u>0;--u)f+=h;return f}for(var s=0,r=[],o=t(e.length-1)+2,a=0;s<e.length;){var l=t(s)+1;s===0&&(l=0);var c=String(e.get(s));c.length>a&&(a=c.length),r[l]=r[l]||[],r[l].push(c),s+=1}return r.map(function(h,u){var f=Math.pow(2,o-u)-1;return n(" ",Math.floor(f/2)*a)+h.map(function(p){var g=(a-p.length)/2;return n(" ",Math.ceil(g))+p+n(" ",Math.floor(g))}).join(n(" ",f*a))}).join(`
+`)},i.heapify=function(e,t){return Bt(this,void 0,void 0,function(){var n;return Dt(this,function(s){switch(s.label){case 0:return n=new i(t),n.heapArray=e,[4,n.init()];case 1:return s.sent(),[2,n]}})})},i.heappop=function(e,t){var n=new i(t);return n.heapArray=e,n.pop()},i.heappush=function(e,t,n){return Bt(this,void 0,void 0,function(){var s;return Dt(this,function(r){switch(r.label){case 0:return s=new i(n),s.heapArray=e,[4,s.push(t)];case 1:return r.sent(),[2]}})})},i.heappushpop=function(e,t,n){var s=new i(n);return s.heapArray=e,s.pushpop(t)},i.heapreplace=function(e,t,n){var s=new i(n);return s.heapArray=e,s.replace(t)},i.heaptop=function(e,t,n){t===void 0&&(t=1);var s=new i(n);return s.heapArray=e,s.top(t)},i.heapbottom=function(e,t,n){t===void 0&&(t=1);var s=new i(n);return s.heapArray=e,s.bottom(t)},i.nlargest=function(e,t,n){return Bt(this,void 0,void 0,function(){var s;return Dt(this,function(r){switch(r.label){case 0:return s=new i(n),s.heapArray=Di([],bi(t),!1),[4,s.init()];case 1:return r.sent(),[2,s.top(e)]}})})},i.nsmallest=function(e,t,n){return Bt(this,void 0,void 0,function(){var s;return Dt(this,function(r){switch(r.label){case 0:return s=new i(n),s.heapArray=Di([],bi(t),!1),[4,s.init()];case 1:return r.sent(),[2,s.bottom(e)]}})})},i.prototype.add=function(e){return Bt(this,void 0,void 0,function(){return Dt(this,function(t){switch(t.label){case 0:return[4,this._sortNodeUp(this.heapArray.push(e)-1)];case 1:return t.sent(),this._applyLimit(),[2,!0]}})})},i.prototype.addAll=function(e){return Bt(this,void 0,void 0,function(){var t,n,s;return Dt(this,function(r){switch(r.label){case 0:t=this.length,(s=this.heapArray).push.apply(s,Di([],bi(e),!1)),n=this.length,r.label=1;case 1:return t<n?[4,this._sortNodeUp(t)]:[3,4];case 2:r.sent(),r.label=3;case 3:return++t,[3,1];case 4:return this._applyLimit(),[2,!0]}})})},i.prototype.bottom=function(){return Bt(this,arguments,void 0,function(e){return e===void 0&&(e=1),Dt(this,function(t){return this.heapArray.length===0||e<=0?[2,[]]:this.heapArray.length===1?[2,[this.heapArray[0]]]:e>=this.heapArray.length?[2,Di([],bi(this.heapArray),!1)]:[2,this._bottomN_push(~~e)]})})},i.prototype.check=function(){return Bt(this,void 0,void 0,function(){var e,t,n,s,r,o,a,l,c;return Dt(this,function(h){switch(h.label){case 0:e=0,h.label=1;case 1:if(!(e<this.heapArray.length))return[3,10];t=this.heapArray[e],n=this.getChildrenOf(e),h.label=2;case 2:h.trys.push([2,7,8,9]),s=(l=void 0,Jm(n)),r=s.next(),h.label=3;case 3:return r.done?[3,6]:(o=r.value,[4,this.compare(t,o)]);case 4:if(h.sent()>0)return[2,t];h.label=5;case 5:return r=s.next(),[3,3];case 6:return[3,9];case 7:return a=h.sent(),l={error:a},[3,9];case 8:try{r&&!r.done&&(c=s.return)&&c.call(s)}finally{if(l)throw l.error}return[7];case 9:return++e,[3,1];case 10:return[2]}})})},i.prototype.clear=function(){this.heapArray=[]},i.prototype.clone=function(){var e=new i(this.comparator());return e.heapArray=this.toArray(),e._limit=this._limit,e},i.prototype.comparator=function(){return this.compare},i.prototype.contains=function(e){return Bt(this,arguments,void 0,function(t,n){var s,r,o,a,l,c;return n===void 0&&(n=i.defaultIsEqual),Dt(this,function(h){switch(h.label){case 0:h.trys.push([0,5,6,7]),s=Jm(this.heapArray),r=s.next(),h.label=1;case 1:return r.done?[3,4]:(o=r.value,[4,n(o,t)]);case 2:if(h.sent())return[2,!0];h.label=3;case 3:return r=s.next(),[3,1];case 4:return[3,7];case 5:return a=h.sent(),l={error:a},[3,7];case 6:try{r&&!r.done&&(c=s.return)&&c.call(s)}finally{if(l)throw l.error}return[7];case 7:return[2,!1]}})})},i.prototype.init=function(e){return Bt(this,void 0,void 0,function(){var t;return Dt(this,function(n){switch(n.label){case 0:e&&(this.heapArray=Di([],bi(e),!1)),t=i.getParentIndexOf(this.length-1),n.label=1;case 1:return t>=0?[4,this._sortNodeDown(t)]:[3,4];case 2:n.sent(),n.label=3;case 3:return--t,[3,1];case 4:return this._applyLimit(),[2]}})})},i.prototype.isEmpty=function(){return this.length===0},i.prototype.leafs=function(){if(this.heapArray.length===0)return[];var e=i.getParentIndexOf(this.heapArray.length-1);return this.heapArray.slice(e+1)},Object.defineProperty(i.prototype,"length",{get:function(){return this.heapArray.length},enumerable:!1,configurable:!0}),Object.defineProperty(i.prototype,"limit",{get:function(){return this._limit},set:function(e){this._limit=~~e,this._applyLimit()},enumerable:!1,configurable:!0}),i.prototype.peek=function(){return this.heapArray[0]},i.prototype.pop=function(){return Bt(this,void 0,void 0,function(){var e;return Dt(this,function(t){return e=this.heapArray.pop(),this.length>0&&e!==void 0?[2,this.replace(e)]:[2,e]})})},i.prototype.push=function(){for(var e=[],t=0;t<arguments.length;t++)e[t]=arguments[t];return Bt(this,void 0,void 0,function(){return Dt(this,function(n){return e.length<1?[2,!1]:e.length===1?[2,this.add(e[0])]:[2,this.addAll(e)]})})},i.prototype.pushpop=function(e){return Bt(this,void 0,void 0,function(){var t;return Dt(this,function(n){switch(n.label){case 0:return[4,this.compare(this.heapArray[0],e)];case 1:return n.sent()<0?(t=bi([this.heapArray[0],e],2),e=t[0],this.heapArray[0]=t[1],[4,this._sortNodeDown(0)]):[3,3];case 2:n.sent(),n.label=3;case 3:return[2,e]}})})},i.prototype.remove=function(e){return Bt(this,arguments,void 0,function(t,n){var s,r,o,a=this;return n===void 0&&(n=i.defaultIsEqual),Dt(this,function(l){switch(l.label){case 0:return this.heapArray.length?t!==void 0?[3,2]:[4,this.pop()]:[2,!1];case 1:return l.sent(),[2,!0];case 2:s=[0],l.label=3;case 3:return s.length?(r=s.shift(),[4,n(this.heapArray[r],t)]):[3,13];case 4:return l.sent()?r!==0?[3,6]:[4,this.pop()]:[3,11];case 5:return l.sent(),[3,10];case 6:return r!==this.heapArray.length-1?[3,7]:(this.heapArray.pop(),[3,10]);case 7:return this.heapArray.splice(r,1,this.heapArray.pop()),[4,this._sortNodeUp(r)];case 8:return l.sent(),[4,this._sortNodeDown(r)];case 9:l.sent(),l.label=10;case 10:return[2,!0];case 11:o=i.getChildrenIndexOf(r).filter(function(c){return c<a.heapArray.length}),s.push.apply(s,Di([],bi(o),!1)),l.label=12;case 12:return[3,3];case 13:return[2,!1]}})})},i.prototype.replace=function(e){return Bt(this,void 0,void 0,function(){var t;return Dt(this,function(n){switch(n.label){case 0:return t=this.heapArray[0],this.heapArray[0]=e,[4,this._sortNodeDown(0)];case 1:return n.sent(),[2,t]}})})},i.prototype.size=function(){return this.length},i.prototype.top=function(){return Bt(this,arguments,void 0,function(e){return e===void 0&&(e=1),Dt(this,function(t){return this.heapArray.length===0||e<=0?[2,[]]:this.heapArray.length===1||e===1?[2,[this.heapArray[0]]]:e>=this.heapArray.length?[2,Di([],bi(this.heapArray),!1)]:[2,this._topN_push(~~e)]})})},i.prototype.toArray=function(){return Di([],bi(this.heapArray),!1)},i.prototype.toString=function(){return this.heapArray.toString()},i.prototype.get=function(e){return this.heapArray[e]},i.prototype.getChildrenOf=function(e){var t=this;return i.getChildrenIndexOf(e).map(function(n){return t.heapArray[n]}).filter(function(n){return n!==void 0})},i.prototype.getParentOf=function(e){var t=i.getParentIndexOf(e);return this.heapArray[t]},i.prototype[Symbol.iterator]=function(){return Dt(this,function(e){switch(e.label){case 0:return this.length?[4,this.pop()]:[3,2];case 1:return e.sent(),[3,0];case 2:return[2]}})},i.prototype.iterator=function(){return this},i.prototype._applyLimit=function(){if(this._limit&&this._limit<this.heapArray.length)for(var e=this.heapArray.length-this._limit;e;)this.heapArray.pop(),--e},i.prototype._bottomN_push=function(e){return Bt(this,void 0,void 0,function(){var t,n,s,r,a,o,a;return Dt(this,function(l){switch(l.label){case 0:return t=new i(this.compare),t.limit=e,t.heapArray=this.heapArray.slice(-e),[4,t.init()];case 1:for(l.sent(),n=this.heapArray.length-1-e,s=i.getParentIndexOf(n),r=[],a=n;a>s;--a)r.push(a);o=this.heapArray,l.label=2;case 2:return r.length?(a=r.shift(),[4,this.compare(o[a],t.peek())]):[3,6];case 3:return l.sent()>0?[4,t.replace(o[a])]:[3,5];case 4:l.sent(),a%2&&r.push(i.getParentIndexOf(a)),l.label=5;case 5:return[3,2];case 6:return[2,t.toArray()]}})})},i.prototype._moveNode=function(e,t){var n=this.heapArray[e];this.heapArray[e]=this.heapArray[t],this.heapArray[t]=n},i.prototype._sortNodeDown=function(e){return Bt(this,void 0,void 0,function(){var t,n,s,r,o,a,l;return Dt(this,function(c){switch(c.label){case 0:t=this.heapArray.length,n=e,s=this.heapArray[e],r=2*e+1,c.label=1;case 1:return r<t?(o=r+1,l=o>=t,l?[3,3]:[4,this.compare(this.heapArray[r],this.heapArray[o])]):[3,5];case 2:l=c.sent()<0,c.label=3;case 3:return a=l?r:o,[4,this.compare(this.heapArray[a],s)];case 4:if(c.sent()<0)this.heapArray[e]=this.heapArray[a],e=a,r=2*e+1;else return[3,5];return[3,1];case 5:return e!==n&&(this.heapArray[e]=s),[2]}})})},i.prototype._sortNodeUp=function(e){return Bt(this,void 0,void 0,function(){var t,n,s;return Dt(this,function(r){switch(r.label){case 0:t=this.heapArray[e],n=e,r.label=1;case 1:return e>0?(s=i.getParentIndexOf(e),[4,this.compare(t,this.heapArray[s])]):[3,3];case 2:if(r.sent()<0)this.heapArray[e]=this.heapArray[s],e=s;else return[3,3];return[3,1];case 3:return e!==n&&(this.heapArray[e]=t),[2]}})})},i.prototype._topN_push=function(e){return Bt(this,void 0,void 0,function(){var t,n,s,r;return Dt(this,function(o){switch(o.label){case 0:t=new i(this._invertedCompare),t.limit=e,n=[0],s=this.heapArray,o.label=1;case 1:return n.length?(r=n.shift(),r<s.length?t.length<e?[4,t.push(s[r])]:[3,3]:[3,6]):[3,7];case 2:return o.sent(),n.push.apply(n,Di([],bi(i.getChildrenIndexOf(r)),!1)),[3,6];case 3:return[4,this.compare(s[r],t.peek())];case 4:return o.sent()<0?[4,t.replace(s[r])]:[3,6];case 5:o.sent(),n.push.apply(n,Di([],bi(i.getChildrenIndexOf(r)),!1)),o.label=6;case 6:return[3,1];case 7:return[2,t.toArray()]}})})},i.prototype._topN_fill=function(e){return Bt(this,void 0,void 0,function(){var t,n,s,r,o,o;return Dt(this,function(a){switch(a.label){case 0:return t=this.heapArray,n=new i(this._invertedCompare),n.limit=e,n.heapArray=t.slice(0,e),[4,n.init()];case 1:for(a.sent(),s=i.getParentIndexOf(e-1)+1,r=[],o=s;o<e;++o)r.push.apply(r,Di([],bi(i.getChildrenIndexOf(o).filter(function(l){return l<t.length})),!1));(e-1)%2&&r.push(e),a.label=2;case 2:return r.length?(o=r.shift(),o<t.length?[4,this.compare(t[o],n.peek())]:[3,5]):[3,6];case 3:return a.sent()<0?[4,n.replace(t[o])]:[3,5];case 4:a.sent(),r.push.apply(r,Di([],bi(i.getChildrenIndexOf(o)),!1)),a.label=5;case 5:return[3,2];case 6:return[2,n.toArray()]}})})},i.prototype._topN_heap=function(e){return Bt(this,void 0,void 0,function(){var t,n,s,r,o;return Dt(this,function(a){switch(a.label){case 0:t=this.clone(),n=[],s=0,a.label=1;case 1:return s<e?(o=(r=n).push,[4,t.pop()]):[3,4];case 2:o.apply(r,[a.sent()]),a.label=3;case 3:return++s,[3,1];case 4:return[2,n]}})})},i.prototype._topIdxOf=function(e){return Bt(this,void 0,void 0,function(){var t,n,s,r;return Dt(this,function(o){switch(o.label){case 0:if(!e.length)return[2,-1];t=0,n=e[t],s=1,o.label=1;case 1:return s<e.length?[4,this.compare(e[s],n)]:[3,4];case 2:r=o.sent(),r<0&&(t=s,n=e[s]),o.label=3;case 3:return++s,[3,1];case 4:return[2,t]}})})},i.prototype._topOf=function(){for(var e=[],t=0;t<arguments.length;t++)e[t]=arguments[t];return Bt(this,void 0,void 0,function(){var n;return Dt(this,function(s){switch(s.label){case 0:return n=new i(this.compare),[4,n.init(e)];case 1:return s.sent(),[2,n.peek()]}})})},i})(),bv=function(i,e){var t={label:0,sent:function(){if(r[0]&1)throw r[1];return r[1]},trys:[],ops:[]},n,s,r,o=Object.create((typeof Iterator=="function"?Iterator:Object).prototype);return o.next=a(0),o.throw=a(1),o.return=a(2),typeof Symbol=="function"&&(o[Symbol.iterator]=function(){return this}),o;function a(c){return function(h){return l([c,h])}}function l(c){if(n)throw new TypeError("Generator is already executing.");for(;o&&(o=0,c[0]&&(t=0)),t;)try{if(n=1,s&&(r=c[0]&2?s.return:c[0]?s.throw||((r=s.return)&&r.call(s),0):s.next)&&!(r=r.call(s,c[1])).done)return r;switch(s=0,r&&(c=[c[0]&2,r.value]),c[0]){case 0:case 1:r=c;break;case 4:return t.label++,{value:c[1],done:!1};case 5:t.label++,s=c[1],c=[0];continue;case 7:c=t.ops.pop(),t.trys.pop();continue;default:if(r=t.trys,!(r=r.length>0&&r[r.length-1])&&(c[0]===6||c[0]===2)){t=0;continue}if(c[0]===3&&(!r||c[1]>r[0]&&c[1]<r[3])){t.label=c[1];break}if(c[0]===6&&t.label<r[1]){t.label=r[1],r=c;break}if(r&&t.label<r[2]){t.label=r[2],t.ops.push(c);break}r[2]&&t.ops.pop(),t.trys.pop();continue}c=e.call(i,t)}catch(h){c=[6,h],s=0}finally{n=r=0}if(c[0]&5)throw c[1];return{value:c[0]?c[1]:void 0,done:!0}}},$n=function(i,e){var t=typeof Symbol=="function"&&i[Symbol.iterator];if(!t)return i;var n=t.call(i),s,r=[],o;try{for(;(e===void 0||e-- >0)&&!(s=n.next()).done;)r.push(s.value)}catch(a){o={error:a}}finally{try{s&&!s.done&&(t=n.return)&&t.call(n)}finally{if(o)throw o.error}}return r},ii=function(i,e,t){if(t||arguments.length===2)for(var n=0,s=e.length,r;n<s;n++)(r||!(n in e))&&(r||(r=Array.prototype.slice.call(e,0,n)),r[n]=e[n]);return i.concat(r||Array.prototype.slice.call(e))};var Mv=(function(){function i(e){e===void 0&&(e=i.minComparator);var t=this;this.compare=e,this.heapArray=[],this._limit=0,this.offer=this.add,this.element=this.peek,this.poll=this.pop,this.removeAll=this.clear,this._invertedCompare=function(n,s){return-1*t.compare(n,s)}}return i.getChildrenIndexOf=function(e){return[e*2+1,e*2+2]},i.getParentIndexOf=function(e){return e<=0?-1:e-1>>1},i.getSiblingIndexOf=function(e){if(e<=0)return-1;var t=e%2?1:-1;return e+t},i.minComparator=function(e,t){return e>t?1:e<t?-1:0},i.maxComparator=function(e,t){return t>e?1:t<e?-1:0},i.minComparatorNumber=function(e,t){return e-t},i.maxComparatorNumber=function(e,t){return t-e},i.defaultIsEqual=function(e,t){return e===t},i.print=function(e){function t(h){var u=i.getParentIndexOf(h);return Math.floor(Math.log2(u+1))}function n(h,u){for(var f="";u>0;--u)f+=h;return f}for(var s=0,r=[],o=t(e.length-1)+2,a=0;s<e.length;){var l=t(s)+1;s===0&&(l=0);var c=String(e.get(s));c.length>a&&(a=c.length),r[l]=r[l]||[],r[l].push(c),s+=1}return r.map(function(h,u){var f=Math.pow(2,o-u)-1;return n(" ",Math.floor(f/2)*a)+h.map(function(p){var g=(a-p.length)/2;return n(" ",Math.ceil(g))+p+n(" ",Math.floor(g))}).join(n(" ",f*a))}).join(`
+`)},i.heapify=function(e,t){var n=new i(t);return n.heapArray=e,n.init(),n},i.heappop=function(e,t){var n=new i(t);return n.heapArray=e,n.pop()},i.heappush=function(e,t,n){var s=new i(n);s.heapArray=e,s.push(t)},i.heappushpop=function(e,t,n){var s=new i(n);return s.heapArray=e,s.pushpop(t)},i.heapreplace=function(e,t,n){var s=new i(n);return s.heapArray=e,s.replace(t)},i.heaptop=function(e,t,n){t===void 0&&(t=1);var s=new i(n);return s.heapArray=e,s.top(t)},i.heapbottom=function(e,t,n){t===void 0&&(t=1);var s=new i(n);return s.heapArray=e,s.bottom(t)},i.nlargest=function(e,t,n){var s=new i(n);return s.heapArray=ii([],$n(t),!1),s.init(),s.top(e)},i.nsmallest=function(e,t,n){var s=new i(n);return s.heapArray=ii([],$n(t),!1),s.init(),s.bottom(e)},i.prototype.add=function(e){return this._sortNodeUp(this.heapArray.push(e)-1),this._applyLimit(),!0},i.prototype.addAll=function(e){var t,n=this.length;(t=this.heapArray).push.apply(t,ii([],$n(e),!1));for(var s=this.length;n<s;++n)this._sortNodeUp(n);return this._applyLimit(),!0},i.prototype.bottom=function(e){return e===void 0&&(e=1),this.heapArray.length===0||e<=0?[]:this.heapArray.length===1?[this.heapArray[0]]:e>=this.heapArray.length?ii([],$n(this.heapArray),!1):this._bottomN_push(~~e)},i.prototype.check=function(){var e=this;return this.heapArray.find(function(t,n){return!!e.getChildrenOf(n).find(function(s){return e.compare(t,s)>0})})},i.prototype.clear=function(){this.heapArray=[]},i.prototype.clone=function(){var e=new i(this.comparator());return e.heapArray=this.toArray(),e._limit=this._limit,e},i.prototype.comparator=function(){return this.compare},i.prototype.contains=function(e,t){return t===void 0&&(t=i.defaultIsEqual),this.indexOf(e,t)!==-1},i.prototype.init=function(e){e&&(this.heapArray=ii([],$n(e),!1));for(var t=i.getParentIndexOf(this.length-1);t>=0;--t)this._sortNodeDown(t);this._applyLimit()},i.prototype.isEmpty=function(){return this.length===0},i.prototype.indexOf=function(e,t){if(t===void 0&&(t=i.defaultIsEqual),this.heapArray.length===0)return-1;for(var n=[],s=0;s<this.heapArray.length;){var r=this.heapArray[s];if(t(r,e))return s;this.compare(r,e)<=0&&n.push.apply(n,ii([],$n(i.getChildrenIndexOf(s)),!1)),s=n.shift()||this.heapArray.length}return-1},i.prototype.indexOfEvery=function(e,t){if(t===void 0&&(t=i.defaultIsEqual),this.heapArray.length===0)return[];for(var n=[],s=[],r=0;r<this.heapArray.length;){var o=this.heapArray[r];t(o,e)?(s.push(r),n.push.apply(n,ii([],$n(i.getChildrenIndexOf(r)),!1))):this.compare(o,e)<=0&&n.push.apply(n,ii([],$n(i.getChildrenIndexOf(r)),!1)),r=n.shift()||this.heapArray.length}return s},i.prototype.leafs=function(){if(this.heapArray.length===0)return[];var e=i.getParentIndexOf(this.heapArray.length-1);return this.heapArray.slice(e+1)},Object.defineProperty(i.prototype,"length",{get:function(){return this.heapArray.length},enumerable:!1,configurable:!0}),Object.defineProperty(i.prototype,"limit",{get:function(){return this._limit},set:function(e){e<0||isNaN(e)?this._limit=0:this._limit=~~e,this._applyLimit()},enumerable:!1,configurable:!0}),i.prototype.setLimit=function(e){return this.limit=e,e<0||isNaN(e)?NaN:this._limit},i.prototype.peek=function(){return this.heapArray[0]},i.prototype.pop=function(){var e=this.heapArray.pop();return this.length>0&&e!==void 0?this.replace(e):e},i.prototype.push=function(){for(var e=[],t=0;t<arguments.length;t++)e[t]=arguments[t];return e.length<1?!1:e.length===1?this.add(e[0]):this.addAll(e)},i.prototype.pushpop=function(e){var t;return this.compare(this.heapArray[0],e)<0&&(t=$n([this.heapArray[0],e],2),e=t[0],this.heapArray[0]=t[1],this._sortNodeDown(0)),e},i.prototype.remove=function(e,t){var n=this;if(t===void 0&&(t=i.defaultIsEqual),!this.heapArray.length)return!1;if(e===void 0)return this.pop(),!0;for(var s=[0];s.length;){var r=s.shift();if(t(this.heapArray[r],e))return r===0?this.pop():r===this.heapArray.length-1?this.heapArray.pop():(this.heapArray.splice(r,1,this.heapArray.pop()),this._sortNodeUp(r),this._sortNodeDown(r)),!0;if(this.compare(this.heapArray[r],e)<=0){var o=i.getChildrenIndexOf(r).filter(function(a){return a<n.heapArray.length});s.push.apply(s,ii([],$n(o),!1))}}return!1},i.prototype.replace=function(e){var t=this.heapArray[0];return this.heapArray[0]=e,this._sortNodeDown(0),t},i.prototype.size=function(){return this.length},i.prototype.top=function(e){return e===void 0&&(e=1),this.heapArray.length===0||e<=0?[]:this.heapArray.length===1||e===1?[this.heapArray[0]]:e>=this.heapArray.length?ii([],$n(this.heapArray),!1):this._topN_push(~~e)},i.prototype.toArray=function(){return ii([],$n(this.heapArray),!1)},i.prototype.toString=function(){return this.heapArray.toString()},i.prototype.get=function(e){return this.heapArray[e]},i.prototype.getChildrenOf=function(e){var t=this;return i.getChildrenIndexOf(e).map(function(n){return t.heapArray[n]}).filter(function(n){return n!==void 0})},i.prototype.getParentOf=function(e){var t=i.getParentIndexOf(e);return this.heapArray[t]},i.prototype[Symbol.iterator]=function(){return bv(this,function(e){switch(e.label){case 0:return this.length?[4,this.pop()]:[3,2];case 1:return e.sent(),[3,0];case 2:return[2]}})},i.prototype.iterator=function(){return this.toArray()},i.prototype._applyLimit=function(){if(this._limit>0&&this._limit<this.heapArray.length)for(var e=this.heapArray.length-this._limit;e;)this.heapArray.pop(),--e},i.prototype._bottomN_push=function(e){var t=new i(this.compare);t.limit=e,t.heapArray=this.heapArray.slice(-e),t.init();for(var n=this.heapArray.length-1-e,s=i.getParentIndexOf(n),r=[],o=n;o>s;--o)r.push(o);for(var a=this.heapArray;r.length;){var o=r.shift();this.compare(a[o],t.peek())>0&&(t.replace(a[o]),o%2&&r.push(i.getParentIndexOf(o)))}return t.toArray()},i.prototype._moveNode=function(e,t){var n=this.heapArray[e];this.heapArray[e]=this.heapArray[t],this.heapArray[t]=n},i.prototype._sortNodeDown=function(e){for(var t=this.heapArray.length,n=e,s=this.heapArray[e],r=2*e+1;r<t;){var o=r+1,a=o>=t||this.compare(this.heapArray[r],this.heapArray[o])<0?r:o;if(this.compare(this.heapArray[a],s)<0)this.heapArray[e]=this.heapArray[a],e=a,r=2*e+1;else break}e!==n&&(this.heapArray[e]=s)},i.prototype._sortNodeUp=function(e){for(var t=this.heapArray[e],n=e;e>0;){var s=i.getParentIndexOf(e);if(this.compare(t,this.heapArray[s])<0)this.heapArray[e]=this.heapArray[s],e=s;else break}e!==n&&(this.heapArray[e]=t)},i.prototype._topN_push=function(e){var t=new i(this._invertedCompare);t.limit=e;for(var n=[0],s=this.heapArray;n.length;){var r=n.shift();r<s.length&&(t.length<e?(t.push(s[r]),n.push.apply(n,ii([],$n(i.getChildrenIndexOf(r)),!1))):this.compare(s[r],t.peek())<0&&(t.replace(s[r]),n.push.apply(n,ii([],$n(i.getChildrenIndexOf(r)),!1))))}return t.toArray()},i.prototype._topN_fill=function(e){var t=this.heapArray,n=new i(this._invertedCompare);n.limit=e,n.heapArray=t.slice(0,e),n.init();for(var s=i.getParentIndexOf(e-1)+1,r=[],o=s;o<e;++o)r.push.apply(r,ii([],$n(i.getChildrenIndexOf(o).filter(function(a){return a<t.length})),!1));for((e-1)%2&&r.push(e);r.length;){var o=r.shift();o<t.length&&this.compare(t[o],n.peek())<0&&(n.replace(t[o]),r.push.apply(r,ii([],$n(i.getChildrenIndexOf(o)),!1)))}return n.toArray()},i.prototype._topN_heap=function(e){for(var t=this.clone(),n=[],s=0;s<e;++s)n.push(t.pop());return n},i.prototype._topIdxOf=function(e){if(!e.length)return-1;for(var t=0,n=e[t],s=1;s<e.length;++s){var r=this.compare(e[s],n);r<0&&(t=s,n=e[s])}return t},i.prototype._topOf=function(){for(var e=[],t=0;t<arguments.length;t++)e[t]=arguments[t];var n=new i(this.compare);return n.init(e),n.peek()},i})();var jm=typeof DataView.prototype.getBigUint64=="function"?DataView.prototype.getBigUint64:function(i,e){let t=e===!0?this.getUint32(i,e):this.getUint32(i+4,e),n=e===!0?this.getUint32(i+4,e):this.getUint32(i,e);return BigInt(n)<<32n|BigInt(t)};var Sv=new TextDecoder,qs=class{#t;#e;offset;constructor(e,t=0){this.#t=e,this.#e=new Uint8Array(e.buffer,e.byteOffset,e.byteLength),this.offset=t}reset(e,t=0){this.#t=e,this.#e=new Uint8Array(e.buffer,e.byteOffset,e.byteLength),this.offset=t}bytesRemaining(){return this.#e.length-this.offset}uint8(){let e=this.#t.getUint8(this.offset);return this.offset+=1,e}uint16(){let e=this.#t.getUint16(this.offset,!0);return this.offset+=2,e}uint32(){let e=this.#t.getUint32(this.offset,!0);return this.offset+=4,e}uint64(){let e=jm.call(this.#t,this.offset,!0);return this.offset+=8,e}string(){let e=this.uint32();if(e===0)return"";if(e>this.bytesRemaining())throw new Error(`String length ${e} exceeds bounds of buffer`);return Sv.decode(this.u8ArrayBorrow(e))}keyValuePairs(e,t){let n=this.uint32();if(this.offset+n>this.#t.byteLength)throw new Error(`Key-value pairs length ${n} exceeds bounds of buffer`);let s=[],r=this.offset+n;try{for(;this.offset<r;)s.push([e(this),t(this)])}catch(o){throw new Error(`Error reading key-value pairs: ${o.message}`)}if(this.offset!==r)throw new Error(`Key-value pairs length (${this.offset-r+n}) greater than expected (${n})`);return s}map(e,t){let n=this.uint32();if(this.offset+n>this.#t.byteLength)throw new Error(`Map length ${n} exceeds bounds of buffer`);let s=new Map,r=this.offset+n;try{for(;this.offset<r;){let o=e(this),a=t(this),l=s.get(o);if(l!=null)throw new Error(`Duplicate key ${String(o)} (${String(l)} vs ${String(a)})`);s.set(o,a)}}catch(o){throw new Error(`Error reading map: ${o.message}`)}if(this.offset!==r)throw new Error(`Map length (${this.offset-r+n}) greater than expected (${n})`);return s}u8ArrayBorrow(e){let t=this.#e.subarray(this.offset,this.offset+e);return this.offset+=e,t}u8ArrayCopy(e){let t=this.#e.slice(this.offset,this.offset+e);return this.offset+=e,t}};var hs=Object.freeze([137,77,67,65,80,48,13,10]),Sn;(function(i){i[i.MIN=1]="MIN",i[i.HEADER=1]="HEADER",i[i.FOOTER=2]="FOOTER",i[i.SCHEMA=3]="SCHEMA",i[i.CHANNEL=4]="CHANNEL",i[i.MESSAGE=5]="MESSAGE",i[i.CHUNK=6]="CHUNK",i[i.MESSAGE_INDEX=7]="MESSAGE_INDEX",i[i.CHUNK_INDEX=8]="CHUNK_INDEX",i[i.ATTACHMENT=9]="ATTACHMENT",i[i.ATTACHMENT_INDEX=10]="ATTACHMENT_INDEX",i[i.STATISTICS=11]="STATISTICS",i[i.METADATA=12]="METADATA",i[i.METADATA_INDEX=13]="METADATA_INDEX",i[i.SUMMARY_OFFSET=14]="SUMMARY_OFFSET",i[i.DATA_END=15]="DATA_END",i[i.MAX=15]="MAX"})(Sn||(Sn={}));function Bl(i){if(i.bytesRemaining()<hs.length)return;let e=i.u8ArrayBorrow(hs.length);if(!hs.every((t,n)=>t===e[n]))throw new Error(`Expected MCAP magic '${hs.map(t=>t.toString(16).padStart(2,"0")).join(" ")}', found '${Array.from(e,(t,n)=>e[n].toString(16).padStart(2,"0")).join(" ")}'`);return{specVersion:"0"}}function ma(i,e=!1){if(i.bytesRemaining()<9)return;let n=i.offset,s=i.uint8(),r=i.uint64();if(r>Number.MAX_SAFE_INTEGER)throw new Error(`Record content length ${r} is too large`);let o=Number(r);if(i.bytesRemaining()<o){i.offset=n;return}let a;switch(s){case Sn.HEADER:a=Ev(i,o);break;case Sn.FOOTER:a=Tv(i,o);break;case Sn.SCHEMA:a=Cv(i,o);break;case Sn.CHANNEL:a=Rv(i,o);break;case Sn.MESSAGE:a=Iv(i,o);break;case Sn.CHUNK:a=Pv(i,o);break;case Sn.MESSAGE_INDEX:a=Lv(i,o);break;case Sn.CHUNK_INDEX:a=Dv(i,o);break;case Sn.ATTACHMENT:a=Nv(i,o,e);break;case Sn.ATTACHMENT_INDEX:a=Uv(i,o);break;case Sn.STATISTICS:a=Fv(i,o);break;case Sn.METADATA:a=Ov(i,o);break;case Sn.METADATA_INDEX:a=Bv(i,o);break;case Sn.SUMMARY_OFFSET:a=kv(i,o);break;case Sn.DATA_END:a=zv(i,o);break;default:a=Av(i,o,s);break}return i.offset=n+9+o,a}function Av(i,e,t){let n=i.u8ArrayBorrow(e);return{type:"Unknown",opcode:t,data:n}}function Ev(i,e){let t=i.offset,n=i.string(),s=i.string();return i.offset=t+e,{type:"Header",profile:n,library:s}}function Tv(i,e){let t=i.offset,n=i.uint64(),s=i.uint64(),r=i.uint32();return i.offset=t+e,{type:"Footer",summaryStart:n,summaryOffsetStart:s,summaryCrc:r}}function Cv(i,e){let t=i.offset,n=i.uint16(),s=i.string(),r=i.string(),o=i.uint32(),a=i.offset;if(e-(a-t)<o)throw new Error(`Schema data length ${o} exceeds bounds of record`);let l=i.u8ArrayCopy(o);return i.offset=t+e,{type:"Schema",id:n,encoding:r,name:s,data:l}}function Rv(i,e){let t=i.offset,n=i.uint16(),s=i.uint16(),r=i.string(),o=i.string(),a=i.map(l=>l.string(),l=>l.string());return i.offset=t+e,{type:"Channel",id:n,schemaId:s,topic:r,messageEncoding:o,metadata:a}}function Iv(i,e){let n=i.uint16(),s=i.uint32(),r=i.uint64(),o=i.uint64(),a=i.u8ArrayCopy(e-22);return{type:"Message",channelId:n,sequence:s,logTime:r,publishTime:o,data:a}}function Pv(i,e){let t=i.offset,n=i.uint64(),s=i.uint64(),r=i.uint64(),o=i.uint32(),a=i.string(),l=Number(i.uint64()),h=i.offset-t;if(l+h>e)throw new Error("Chunk records length exceeds remaining record size");let u=i.u8ArrayCopy(l);return i.offset=t+e,{type:"Chunk",messageStartTime:n,messageEndTime:s,compression:a,uncompressedSize:r,uncompressedCrc:o,records:u}}function Lv(i,e){let t=i.offset,n=i.uint16(),s=i.keyValuePairs(r=>r.uint64(),r=>r.uint64());return i.offset=t+e,{type:"MessageIndex",channelId:n,records:s}}function Dv(i,e){let t=i.offset,n=i.uint64(),s=i.uint64(),r=i.uint64(),o=i.uint64(),a=i.map(f=>f.uint16(),f=>f.uint64()),l=i.uint64(),c=i.string(),h=i.uint64(),u=i.uint64();return i.offset=t+e,{type:"ChunkIndex",messageStartTime:n,messageEndTime:s,chunkStartOffset:r,chunkLength:o,messageIndexOffsets:a,messageIndexLength:l,compression:c,compressedSize:h,uncompressedSize:u}}function Nv(i,e,t){let n=i.offset,s=i.uint64(),r=i.uint64(),o=i.string(),a=i.string(),l=i.uint64();if(BigInt(i.offset)+l>Number.MAX_SAFE_INTEGER)throw new Error(`Attachment too large: ${l}`);if(i.offset+Number(l)+4>n+e)throw new Error(`Attachment data length ${l} exceeds bounds of record`);let c=i.u8ArrayCopy(Number(l)),h=i.offset-n,u=i.uint32();if(t&&u!==0){i.offset=n;let f=i.u8ArrayBorrow(h),p=Sr(f);if(i.offset=n+h+4,p!==u)throw new Error(`Attachment CRC32 mismatch: expected ${u}, actual ${p}`)}return i.offset=n+e,{type:"Attachment",logTime:s,createTime:r,name:o,mediaType:a,data:c}}function Uv(i,e){let t=i.offset,n=i.uint64(),s=i.uint64(),r=i.uint64(),o=i.uint64(),a=i.uint64(),l=i.string(),c=i.string();return i.offset=t+e,{type:"AttachmentIndex",offset:n,length:s,logTime:r,createTime:o,dataSize:a,name:l,mediaType:c}}function Fv(i,e){let t=i.offset,n=i.uint64(),s=i.uint16(),r=i.uint32(),o=i.uint32(),a=i.uint32(),l=i.uint32(),c=i.uint64(),h=i.uint64(),u=i.map(f=>f.uint16(),f=>f.uint64());return i.offset=t+e,{type:"Statistics",messageCount:n,schemaCount:s,channelCount:r,attachmentCount:o,metadataCount:a,chunkCount:l,messageStartTime:c,messageEndTime:h,channelMessageCounts:u}}function Ov(i,e){let t=i.offset,n=i.string(),s=i.map(r=>r.string(),r=>r.string());return i.offset=t+e,{type:"Metadata",metadata:s,name:n}}function Bv(i,e){let t=i.offset,n=i.uint64(),s=i.uint64(),r=i.string();return i.offset=t+e,{type:"MetadataIndex",offset:n,length:s,name:r}}function kv(i,e){let t=i.offset,n=i.uint8(),s=i.uint64(),r=i.uint64();return i.offset=t+e,{type:"SummaryOffset",groupOpcode:n,groupStart:s,groupLength:r}}function zv(i,e){let t=i.offset,n=i.uint32();return i.offset=t+e,{type:"DataEnd",dataSectionCrc:n}}var fo=class{#t=new ArrayBuffer(hs.length*2);#e=new DataView(this.#t,0,0);#n=new qs(this.#e);#o;#a;#i;#l;#s=!1;#c=this.#u();#r=new Map;constructor({includeChunks:e=!1,decompressHandlers:t={},validateCrcs:n=!0,noMagicPrefix:s=!1}={}){this.#a=e,this.#o=t,this.#i=n,this.#l=s}done(){return this.#s}bytesRemaining(){return this.#n.bytesRemaining()}append(e){if(this.#s)throw new Error("Already done reading");this.#h(e)}#h(e){let t=this.#n.offset,n=this.#e.byteLength-t,s=n+e.byteLength;if(s<=this.#t.byteLength)if(this.#e.byteOffset+this.#e.byteLength+e.byteLength<=this.#t.byteLength)new Uint8Array(this.#t,this.#e.byteOffset).set(e,this.#e.byteLength),this.#e=new DataView(this.#t,this.#e.byteOffset,this.#e.byteLength+e.byteLength),this.#n.reset(this.#e,this.#n.offset);else{let r=new Uint8Array(this.#t,this.#e.byteOffset+t,n),o=new Uint8Array(this.#t);o.set(r,0),o.set(e,r.byteLength),this.#e=new DataView(this.#t,0,r.byteLength+e.byteLength),this.#n.reset(this.#e)}else{this.#t=new ArrayBuffer(s*2);let r=new Uint8Array(this.#t),o=new Uint8Array(this.#e.buffer,this.#e.byteOffset+t,n);r.set(o,0),r.set(e,o.byteLength),this.#e=new DataView(this.#t,0,o.byteLength+e.byteLength),this.#n.reset(this.#e)}}nextRecord(){if(this.#s)return;let e=this.#c.next();if(e.value?.type==="Channel"){let t=this.#r.get(e.value.id);if(this.#r.set(e.value.id,e.value),t&&!Vv(t,e.value))throw new Error(`Channel record for id ${e.value.id} (topic: ${e.value.topic}) differs from previous channel record of the same id.`)}else if(e.value?.type==="Message"){let t=e.value.channelId;if(!this.#r.get(t))throw new Error(`Encountered message on channel ${t} without prior channel record`)}return e.done===!0&&(this.#s=!0),e.value}*#u(){if(!this.#l){let n;for(;n=Bl(this.#n),!n;)yield}let e;function t(n){return new Error(`${n} ${e?`[library=${e.library}]`:"[no header]"}`)}for(;;){let n;for(;n=ma(this.#n,this.#i),!n;)yield;switch(n.type){case"Header":if(e)throw new Error(`Duplicate Header record: library=${e.library} profile=${e.profile} vs. library=${n.library} profile=${n.profile}`);e=n,yield n;break;case"Unknown":case"Schema":case"Channel":case"Message":case"MessageIndex":case"ChunkIndex":case"Attachment":case"AttachmentIndex":case"Statistics":case"Metadata":case"MetadataIndex":case"SummaryOffset":case"DataEnd":yield n;break;case"Chunk":{this.#a&&(yield n);let s=n.records;if(n.compression!==""&&s.byteLength>0){let l=this.#o[n.compression];if(!l)throw t(`Unsupported compression ${n.compression}`);s=l(s,n.uncompressedSize)}if(this.#i&&n.uncompressedCrc!==0){let l=Sr(s);if(l!==n.uncompressedCrc)throw t(`Incorrect chunk CRC ${l} (expected ${n.uncompressedCrc})`)}let r=new DataView(s.buffer,s.byteOffset,s.byteLength),o=new qs(r),a;for(;a=ma(o,this.#i);)switch(a.type){case"Header":case"Footer":case"Chunk":case"MessageIndex":case"ChunkIndex":case"Attachment":case"AttachmentIndex":case"Statistics":case"Metadata":case"MetadataIndex":case"SummaryOffset":case"DataEnd":throw t(`${a.type} record not allowed inside a chunk`);case"Unknown":case"Schema":case"Channel":case"Message":yield a;break}if(o.bytesRemaining()!==0)throw t(`${o.bytesRemaining()} bytes remaining in chunk`);break}case"Footer":try{let s;for(;s=Bl(this.#n),!s;)yield}catch(s){throw t(s.message)}if(this.#n.bytesRemaining()!==0)throw t(`${this.#n.bytesRemaining()} bytes remaining after MCAP footer and trailing magic`);return n}}}};function Vv(i,e){if(!(i.id===e.id&&i.messageEncoding===e.messageEncoding&&i.schemaId===e.schemaId&&i.topic===e.topic&&i.metadata.size===e.metadata.size))return!1;for(let[t,n]of i.metadata.entries()){let s=e.metadata.get(t);if(n!==s)return!1}return!0}var Hv="2.2.2",Gv=`mcap-typescript/${Hv}`;var $v=ArrayBuffer,mn=Uint8Array,kl=Uint16Array,qv=Int16Array;var zl=Int32Array,tf=function(i,e,t){if(mn.prototype.slice)return mn.prototype.slice.call(i,e,t);(e==null||e<0)&&(e=0),(t==null||t>i.length)&&(t=i.length);var n=new mn(t-e);return n.set(i.subarray(e,t)),n},_a=function(i,e,t,n){if(mn.prototype.fill)return mn.prototype.fill.call(i,e,t,n);for((t==null||t<0)&&(t=0),(n==null||n>i.length)&&(n=i.length);t<n;++t)i[t]=e;return i},Yv=function(i,e,t,n){if(mn.prototype.copyWithin)return mn.prototype.copyWithin.call(i,e,t,n);for((t==null||t<0)&&(t=0),(n==null||n>i.length)&&(n=i.length);t<n;)i[e++]=i[t++]};var Zv=["invalid zstd data","window size too large (>2046MB)","invalid block type","FSE accuracy too high","match distance too far back","unexpected EOF"],wn=function(i,e,t){var n=new Error(e||Zv[i]);if(n.code=i,Error.captureStackTrace&&Error.captureStackTrace(n,wn),!t)throw n;return n},eg=function(i,e,t){for(var n=0,s=0;n<t;++n)s|=i[e++]<<(n<<3);return s},Kv=function(i,e){return(i[e]|i[e+1]<<8|i[e+2]<<16|i[e+3]<<24)>>>0},Jv=function(i,e){var t=i[0]|i[1]<<8|i[2]<<16;if(t==3126568&&i[3]==253){var n=i[4],s=n>>5&1,r=n>>2&1,o=n&3,a=n>>6;n&8&&wn(0);var l=6-s,c=o==3?4:o,h=eg(i,l,c);l+=c;var u=a?1<<a:s,f=eg(i,l,u)+(a==1&&256),p=f;if(!s){var g=1<<10+(i[5]>>3);p=g+(g>>3)*(i[5]&7)}p>2145386496&&wn(1);var x=new mn((e==1?f||p:e?0:p)+12);return x[0]=1,x[4]=4,x[8]=8,{b:l+u,y:0,l:0,d:h,w:e&&e!=1?e:x.subarray(12),e:p,o:new zl(x.buffer,0,3),u:f,c:r,m:Math.min(131072,p)}}else if((t>>4|i[3]<<20)==25481893)return Kv(i,4)+8;wn(0)},wr=function(i){for(var e=0;1<<e<=i;++e);return e-1},ya=function(i,e,t){var n=(e<<3)+4,s=(i[e]&15)+5;s>t&&wn(3);for(var r=1<<s,o=r,a=-1,l=-1,c=-1,h=r,u=new $v(512+(r<<2)),f=new qv(u,0,256),p=new kl(u,0,256),g=new kl(u,512,r),x=512+(r<<1),m=new mn(u,x,r),d=new mn(u,x+r);a<255&&o>0;){var _=wr(o+1),w=n>>3,b=(1<<_+1)-1,E=(i[w]|i[w+1]<<8|i[w+2]<<16)>>(n&7)&b,S=(1<<_)-1,y=b-o-1,M=E&S;if(M<y?(n+=_,E=M):(n+=_+1,E>S&&(E-=y)),f[++a]=--E,E==-1?(o+=E,m[--h]=a):o-=E,!E)do{var I=n>>3;l=(i[I]|i[I+1]<<8)>>(n&7)&3,n+=2,a+=l}while(l==3)}(a>255||o)&&wn(0);for(var R=0,P=(r>>1)+(r>>3)+3,O=r-1,V=0;V<=a;++V){var L=f[V];if(L<1){p[V]=-L;continue}for(c=0;c<L;++c){m[R]=V;do R=R+P&O;while(R>=h)}}for(R&&wn(0),c=0;c<r;++c){var B=p[m[c]]++,X=d[c]=s-wr(B);g[c]=(B<<X)-r}return[n+7>>3,{b:s,s:m,n:d,t:g}]},jv=function(i,e){var t=0,n=-1,s=new mn(292),r=i[e],o=s.subarray(0,256),a=s.subarray(256,268),l=new kl(s.buffer,268);if(r<128){var c=ya(i,e+1,6),h=c[0],u=c[1];e+=r;var f=h<<3,p=i[e];p||wn(0);for(var g=0,x=0,m=u.b,d=m,_=(++e<<3)-8+wr(p);_-=m,!(_<f);){var w=_>>3;if(g+=(i[w]|i[w+1]<<8)>>(_&7)&(1<<m)-1,o[++n]=u.s[g],_-=d,_<f)break;w=_>>3,x+=(i[w]|i[w+1]<<8)>>(_&7)&(1<<d)-1,o[++n]=u.s[x],m=u.n[g],g=u.t[g],d=u.n[x],x=u.t[x]}++n>255&&wn(0)}else{for(n=r-127;t<n;t+=2){var b=i[++e];o[t]=b>>4,o[t+1]=b&15}++e}var E=0;for(t=0;t<n;++t){var S=o[t];S>11&&wn(0),E+=S&&1<<S-1}var y=wr(E)+1,M=1<<y,I=M-E;for(I&I-1&&wn(0),o[n++]=wr(I)+1,t=0;t<n;++t){var S=o[t];++a[o[t]=S&&y+1-S]}var R=new mn(M<<1),P=R.subarray(0,M),O=R.subarray(M);for(l[y]=0,t=y;t>0;--t){var V=l[t];_a(O,t,V,l[t-1]=V+a[t]*(1<<y-t))}for(l[0]!=M&&wn(0),t=0;t<n;++t){var L=o[t];if(L){var B=l[L];_a(P,t,B,l[L]=B+(1<<y-L))}}return[e,{n:O,b:y,s:P}]},Qv=ya(new mn([81,16,99,140,49,198,24,99,12,33,196,24,99,102,102,134,70,146,4]),0,6)[1],eb=ya(new mn([33,20,196,24,99,140,33,132,16,66,8,33,132,16,66,8,33,68,68,68,68,68,68,68,68,36,9]),0,6)[1],tb=ya(new mn([32,132,16,66,102,70,68,68,68,68,36,73,2]),0,5)[1],tg=function(i,e){for(var t=i.length,n=new zl(t),s=0;s<t;++s)n[s]=e,e+=1<<i[s];return n},nf=new mn(new zl([0,0,0,0,16843009,50528770,134678020,202050057,269422093]).buffer,0,36),nb=tg(nf,0),sf=new mn(new zl([0,0,0,0,0,0,0,0,16843009,50528770,117769220,185207048,252579084,16]).buffer,0,53),ib=tg(sf,3),ga=function(i,e,t){var n=i.length,s=e.length,r=i[n-1],o=(1<<t.b)-1,a=-t.b;r||wn(0);for(var l=0,c=t.b,h=(n<<3)-8+wr(r)-c,u=-1;h>a&&u<s;){var f=h>>3,p=(i[f]|i[f+1]<<8|i[f+2]<<16)>>(h&7);l=(l<<c|p)&o,e[++u]=t.s[l],h-=c=t.n[l]}(h!=a||u+1!=s)&&wn(0)},sb=function(i,e,t){var n=6,s=e.length,r=s+3>>2,o=r<<1,a=r+o;ga(i.subarray(n,n+=i[0]|i[1]<<8),e.subarray(0,r),t),ga(i.subarray(n,n+=i[2]|i[3]<<8),e.subarray(r,o),t),ga(i.subarray(n,n+=i[4]|i[5]<<8),e.subarray(o,a),t),ga(i.subarray(n),e.subarray(a),t)},rb=function(i,e,t){var n,s=e.b,r=i[s],o=r>>1&3;e.l=r&1;var a=r>>3|i[s+1]<<5|i[s+2]<<13,l=(s+=3)+a;if(o==1)return s>=i.length?void 0:(e.b=s+1,t?(_a(t,i[s],e.y,e.y+=a),t):_a(new mn(a),i[s]));if(!(l>i.length)){if(o==0)return e.b=l,t?(t.set(i.subarray(s,l),e.y),e.y+=a,t):tf(i,s,l);if(o==2){var c=i[s],h=c&3,u=c>>2&3,f=c>>4,p=0,g=0;h<2?u&1?f|=i[++s]<<4|(u&2&&i[++s]<<12):f=c>>3:(g=u,u<2?(f|=(i[++s]&63)<<4,p=i[s]>>6|i[++s]<<2):u==2?(f|=i[++s]<<4|(i[++s]&3)<<12,p=i[s]>>2|i[++s]<<6):(f|=i[++s]<<4|(i[++s]&63)<<12,p=i[s]>>6|i[++s]<<2|i[++s]<<10)),++s;var x=t?t.subarray(e.y,e.y+e.m):new mn(e.m),m=x.length-f;if(h==0)x.set(i.subarray(s,s+=f),m);else if(h==1)_a(x,i[s++],m);else{var d=e.h;if(h==2){var _=jv(i,s);p+=s-(s=_[0]),e.h=d=_[1]}else d||wn(0);(g?sb:ga)(i.subarray(s,s+=p),x.subarray(m),d)}var w=i[s++];if(w){w==255?w=(i[s++]|i[s++]<<8)+32512:w>127&&(w=w-128<<8|i[s++]);var b=i[s++];b&3&&wn(0);for(var E=[eb,tb,Qv],S=2;S>-1;--S){var y=b>>(S<<1)+2&3;if(y==1){var M=new mn([0,0,i[s++]]);E[S]={s:M.subarray(2,3),n:M.subarray(0,1),t:new kl(M.buffer,0,1),b:0}}else y==2?(n=ya(i,s,9-(S&1)),s=n[0],E[S]=n[1]):y==3&&(e.t||wn(0),E[S]=e.t[S])}var I=e.t=E,R=I[0],P=I[1],O=I[2],V=i[l-1];V||wn(0);var L=(l<<3)-8+wr(V)-O.b,B=L>>3,X=0,G=(i[B]|i[B+1]<<8)>>(L&7)&(1<<O.b)-1;B=(L-=P.b)>>3;var ae=(i[B]|i[B+1]<<8)>>(L&7)&(1<<P.b)-1;B=(L-=R.b)>>3;var Z=(i[B]|i[B+1]<<8)>>(L&7)&(1<<R.b)-1;for(++w;--w;){var j=O.s[G],ne=O.n[G],fe=R.s[Z],ue=R.n[Z],Q=P.s[ae],me=P.n[ae];B=(L-=Q)>>3;var ge=1<<Q,ye=ge+((i[B]|i[B+1]<<8|i[B+2]<<16|i[B+3]<<24)>>>(L&7)&ge-1);B=(L-=sf[fe])>>3;var _e=ib[fe]+((i[B]|i[B+1]<<8|i[B+2]<<16)>>(L&7)&(1<<sf[fe])-1);B=(L-=nf[j])>>3;var He=nb[j]+((i[B]|i[B+1]<<8|i[B+2]<<16)>>(L&7)&(1<<nf[j])-1);if(B=(L-=ne)>>3,G=O.t[G]+((i[B]|i[B+1]<<8)>>(L&7)&(1<<ne)-1),B=(L-=ue)>>3,Z=R.t[Z]+((i[B]|i[B+1]<<8)>>(L&7)&(1<<ue)-1),B=(L-=me)>>3,ae=P.t[ae]+((i[B]|i[B+1]<<8)>>(L&7)&(1<<me)-1),ye>3)e.o[2]=e.o[1],e.o[1]=e.o[0],e.o[0]=ye-=3;else{var Ke=ye-(He!=0);Ke?(ye=Ke==3?e.o[0]-1:e.o[Ke],Ke>1&&(e.o[2]=e.o[1]),e.o[1]=e.o[0],e.o[0]=ye):ye=e.o[0]}for(var S=0;S<He;++S)x[X+S]=x[m+S];X+=He,m+=He;var Oe=X-ye;if(Oe<0){var it=-Oe,at=e.e+Oe;it>_e&&(it=_e);for(var S=0;S<it;++S)x[X+S]=e.w[at+S];X+=it,_e-=it,Oe=0}for(var S=0;S<_e;++S)x[X+S]=x[Oe+S];X+=_e}if(X!=m)for(;m<x.length;)x[X++]=x[m++];else X=x.length;t?e.y+=X:x=tf(x,0,X)}else if(t){if(e.y+=f,m)for(var S=0;S<f;++S)x[S]=x[m+S]}else m&&(x=tf(x,m));return e.b=l,x}wn(2)}},ob=function(i,e){if(i.length==1)return i[0];for(var t=new mn(e),n=0,s=0;n<i.length;++n){var r=i[n];t.set(r,s),s+=r.length}return t};function ng(i,e){for(var t=[],n=+!e,s=0,r=0;i.length;){var o=Jv(i,n||e);if(typeof o=="object"){for(n?(e=null,o.w.length==o.u&&(t.push(e=o.w),r+=o.u)):(t.push(e),o.e=0);!o.l;){var a=rb(i,o,e);a||wn(5),e?o.e=o.y:(t.push(a),r+=a.length,Yv(o.w,0,a.length),o.w.set(a,o.w.length-a.length))}s=o.b+o.c*4}else s=o;i=i.subarray(s)}return ob(t,r)}var ig={bool:1,byte:1,char:1,int8:1,uint8:1,int16:2,uint16:2,int32:4,uint32:4,int64:8,uint64:8,float32:4,float64:8},Vl=class{places=new Map;size;constructor(e){let t=e.split(/^=+$/m),n=new Map;for(let s of t.slice(1)){let r=/^\s*MSG:\s*(\S+)\s*$/m.exec(s);r&&n.set(r[1],s.slice(s.indexOf(r[0])+r[0].length))}this.size=this.walk(t[0],n,"",0,0)}walk(e,t,n,s,r){if(r>8)throw new Error("a schema that contains itself");for(let o of e.split(`
+`)){let a=o.replace(/#.*/,"").trim();if(a===""||a.includes("="))continue;let l=/^([A-Za-z0-9_/]+)(?:\[(\d+)\])?\s+(\w+)$/.exec(a);if(!l)throw new Error(`a schema with the line "${a}", which this page does not read`);let[,c,h,u]=l,f=ig[c];if(f){s+=(f-s%f)%f,this.places.set(n+u,{offset:s,type:c,count:h?Number(h):1}),s+=f*(h?Number(h):1);continue}let p=t.get(c)??[...t].find(([g])=>g.endsWith("/"+c))?.[1];if(p===void 0||h)throw new Error(`a schema with the type ${c}, which this page does not read`);s=this.walk(p,t,`${n}${u}.`,s,r+1)}return s}reader(e,t=0){let n=this.places.get(e);if(!n||t>=n.count)throw new Error(`a report without ${e}`);let s=4+n.offset+t*ig[n.type];switch(n.type){case"float64":return r=>r.getFloat64(s,!0);case"float32":return r=>r.getFloat32(s,!0);case"int64":return r=>Number(r.getBigInt64(s,!0));case"uint64":return r=>Number(r.getBigUint64(s,!0));case"uint32":return r=>r.getUint32(s,!0);case"int32":return r=>r.getInt32(s,!0);default:return r=>r.getUint8(s)}}};var Ar=16,rf=1<<20,sg=2e7;async function rg(i,e){let t=[137,77,67,65,80,48,13,10];if(i.length<8||t.some((I,R)=>i[R]!==I))throw new Error("no MCAP file; open one that knurl record made");let n=new fo({decompressHandlers:{zstd:(I,R)=>ng(I,new Uint8Array(Number(R)))},validateCrcs:!1}),s=new Map,r=new Map,o=[],a=-1,l=null,c=[],h=[],u=I=>0,f=u,p=u,g=0,x=0,m=[],d=13+Ar,_={t:new Float64Array(4096),rows:new Float32Array(4096*d)},w=0,b=I=>{if(!l)return;if(I.byteLength!==l.size+4)throw new Error("a message has the wrong length: the file was changed");let R=new DataView(I.buffer,I.byteOffset,I.byteLength),P=u(R);x===0&&(g=P),w===4096&&(m.push(_),_={t:new Float64Array(4096),rows:new Float32Array(4096*d)},w=0),_.t[w]=(P-g)*1e-9;let O=w*d;for(let X=0;X<9;X++)_.rows[O+X]=c[X](R);_.rows[O+9]=(P-f(R))*.001,_.rows[O+10]=(p(R)-f(R))*.001;let V=c[9](R),L=c[10](R),B=c[11](R);_.rows[O+11]=Math.hypot(V,L,B),_.rows[O+12]=c[12](R);for(let X=0;X<Ar;X++)_.rows[O+13+X]=h[X](R);if(w++,++x>sg)throw new Error(`more than ${sg} reports; cut it with knurl replay`)},E="";for(let I=0;I<i.length&&E==="";I+=rf){n.append(i.subarray(I,Math.min(I+rf,i.length)));try{for(let R=n.nextRecord();R;R=n.nextRecord())if(R.type==="Metadata"&&R.name==="knurl")for(let[P,O]of R.metadata)s.set(P,O);else if(R.type==="Schema")r.set(R.id,new TextDecoder().decode(R.data));else if(R.type==="Channel"&&R.topic==="/knurl/report"){a=R.id,l=new Vl(r.get(R.schemaId)??"");let P=O=>["x","y","z"].map(V=>l.reader(`${O}.${V}`));c=[...P("position"),...P("velocity"),...P("sent_force"),...P("scene_force"),l.reader("state")],h=[...["w","x","y","z"].map(O=>l.reader(`orientation.${O}`)),...P("contact_point"),...P("sent_torque"),...P("scene_force"),l.reader("faults"),l.reader("buttons"),l.reader("flags")],u=l.reader("read_ns"),f=l.reader("deadline_ns"),p=l.reader("write_ns")}else R.type==="Message"&&R.channelId===a&&b(R.data)}catch(R){E=R instanceof Error?R.message.split(`
+`)[0]:String(R)}await e?.(Math.min(1,(I+rf)/i.length))}if(a<0)throw new Error(E||"an MCAP file, but none that knurl record made (it has no channel /knurl/report)");if(x===0)throw new Error(E||(n.done()?"a recording without a report":"cut off before the first reports were complete"));E?o.push(`used up to a damaged place: ${E}`):n.done()||o.push("the file was cut off; what is complete is shown"),m.push(_);let S=new ho(x),y=new Float32Array(x*Ar);for(let I=0;I<x;I++){let R=m[I>>12],P=I&4095;S.t[I]=R.t[P];let O=P*d,V=0;for(let L of Object.values(S.columns))L[I]=R.rows[O+V++];y.set(R.rows.subarray(O+13,O+13+Ar),I*Ar)}S.count=x;let M=Number(s.get("rate"))||(x>1?(x-1)/(S.last||1):1e3);return{history:S,more:y,metadata:s,period:1/M,notes:o}}var ab=["clamped","stale","guardian","touching","near_singular","at_joint_limit"],Hl=class{constructor(e){this.model=e;le("open-file").addEventListener("change",t=>{let n=t.target,s=n.files?.[0];n.value="",s&&this.open(s)}),le("open").addEventListener("click",()=>le("open-file").click()),le("play").addEventListener("click",()=>this.toggle()),le("close-recording").addEventListener("click",()=>this.close()),le("scrub").addEventListener("input",t=>this.seek(Number(t.target.value)/1e4*this.length)),le("speed").addEventListener("change",t=>this.speed=Number(t.target.value))}model;recorded=null;playing=!1;speed=1;before=0;get length(){return this.recorded?.history.last??0}async open(e){let t=le("recording-bar");try{At(le("recording-name"),`Reading ${e.name} ...`),t.hidden=!1;let n=new Uint8Array(await e.arrayBuffer()),s=await rg(n,async r=>{At(le("recording-name"),`Reading ${e.name}: ${(100*r).toFixed(0)} %`),await new Promise(o=>window.setTimeout(o))});this.show(e.name,s)}catch(n){t.hidden=this.model.recording===null,pt("error",`${e.name}: ${n.message}`)}}show(e,t){let{history:n,metadata:s}=t,r=[...this.model.devices.values()].find(g=>g.info.address===s.get("address")||g.info.profile===s.get("profile")),o=[1/0,1/0,1/0],a=[-1/0,-1/0,-1/0],l=1,c=n.columns;for(let g=0;g<n.held;g++){let x=[c.px[g],c.py[g],c.pz[g]];for(let m=0;m<3;m++)o[m]=Math.min(o[m],x[m]),a[m]=Math.max(a[m],x[m]);l=Math.max(l,Math.hypot(c.fx[g],c.fy[g],c.fz[g]))}let h=Math.max(...o.map((g,x)=>Math.max(Math.abs(g),Math.abs(a[x])))),u={i:-1,name:s.get("device")??e,address:s.get("address")??"",profile:s.get("profile")??"",serial:"",rate:Number(s.get("rate"))||1/t.period,centre:r?.info.centre??[0,0,0],radius:r?.info.radius??Math.max(.02,1.15*h),peak_force:r?.info.peak_force??(Number(s.get("limits.peak_force"))>0&&Number.isFinite(Number(s.get("limits.peak_force")))?Number(s.get("limits.peak_force")):Math.ceil(1.2*l)),peak_torque:r?.info.peak_torque??.2,max_stiffness:r?.info.max_stiffness??"inf",damping:0,lag:0,renders_torque:!1,senses_orientation:r?.info.senses_orientation??!1,pull:!1},f=new pa(u,1);Object.assign(f,{history:n}),this.recorded=t,this.model.recording=f;let p=s.get("version");At(le("recording-name"),`${e}${p?` · Knurl ${p}`:""}${s.get("cause")?` · ${s.get("cause")}`:""} · ${n.held} reports`);for(let g of t.notes)pt("warning",`${e}: ${g}`);this.seek(0),this.setPlaying(!1),this.model.tell("recording"),this.model.tell("servo")}close(){this.recorded=null,this.model.recording=null,le("recording-bar").hidden=!0,this.model.tell("recording"),this.model.tell("servo")}get isOpen(){return this.recorded!==null}toggle(){this.recorded&&(!this.playing&&this.model.cursor>=this.length&&this.seek(0),this.setPlaying(!this.playing))}setPlaying(e){this.playing=e,At(le("play"),e?"Stop":"Play"),le("play").setAttribute("aria-pressed",String(e))}step(e){this.recorded&&this.seek(this.model.cursor+e)}seek(e){let t=this.recorded,n=this.model.recording;if(!t||!n)return;this.model.cursor=Math.max(0,Math.min(this.length,e));let s=Math.min(t.history.held-1,t.history.find(this.model.cursor-1e-9)),r=Nl(n,s),o=t.more,a=s*Ar;r.q=[o[a],o[a+1],o[a+2],o[a+3]],r.contact=[o[a+4],o[a+5],o[a+6]],r.torque=[o[a+7],o[a+8],o[a+9]],r.scene_force=[o[a+10],o[a+11],o[a+12]],r.faults=km(o[a+13]),r.buttons=o[a+14],r.flags=ab.filter((u,f)=>o[a+15]&1<<f),n.frame=r;let l=le("scrub"),c=String(Math.round(1e4*this.model.cursor/(this.length||1)));l.value!==c&&(l.value=c);let h=`${this.model.cursor.toFixed(3)} of ${this.length.toFixed(2)} s`;At(le("recording-time"),h),l.setAttribute("aria-valuetext",h)}tick(e){let t=(e-this.before)/1e3;this.before=e,this.playing&&(this.seek(this.model.cursor+Math.min(.25,t)*this.speed),this.model.cursor>=this.length&&this.setPlaying(!1))}};var ar={LEFT:0,MIDDLE:1,RIGHT:2,ROTATE:0,DOLLY:1,PAN:2},lr={ROTATE:0,PAN:1,DOLLY_PAN:2,DOLLY_ROTATE:3},Og=0,Of=1,Bg=2;var Za=1,kg=2,zo=3,cr=0,ai=1,Fi=2,Dr=0,Vo=1,Bf=2,kf=3,zf=4,zg=5;var Nr=100,Vg=101,Hg=102,Gg=103,Wg=104,Xg=200,$g=201,qg=202,Yg=203,Vf=204,Hf=205,Zg=206,Kg=207,Jg=208,jg=209,Qg=210,e0=211,t0=212,n0=213,i0=214,_c=0,yc=1,xc=2,Ro=3,vc=4,bc=5,Mc=6,Sc=7,Kc=0,s0=1,r0=2,ms=0,Gf=1,Wf=2,Xf=3,$f=4,qf=5,Yf=6,Zf=7;var Kf=300,Ur=301,Ho=302,Jc=303,jc=304,wc=1e3,fs=1001,Ac=1002,kn=1003,o0=1004;var Ka=1005;var ri=1006,Qc=1007;var Fs=1008;var hi=1009,Jf=1010,jf=1011,Go=1012,eh=1013,Ji=1014,ji=1015,Qi=1016,th=1017,nh=1018,Fr=1020,Qf=35902,ed=35899,td=1021,nd=1022,es=1023,Ls=1026,Os=1027,id=1028,ih=1029,hr=1030,sh=1031;var rh=1033,Ja=33776,ja=33777,Qa=33778,el=33779,oh=35840,ah=35841,lh=35842,ch=35843,hh=36196,uh=37492,fh=37496,dh=37488,ph=37489,tl=37490,mh=37491,gh=37808,_h=37809,yh=37810,xh=37811,vh=37812,bh=37813,Mh=37814,Sh=37815,wh=37816,Ah=37817,Eh=37818,Th=37819,Ch=37820,Rh=37821,Ih=36492,Ph=36494,Lh=36495,Dh=36283,Nh=36284,nl=36285,Uh=36286;var Ea=2300,Ec=2301,mc=2302,Rf=2303,If=2400,Pf=2401,Lf=2402;var a0=3200;var Fh=0,l0=1,Bs="",wi="srgb",Ta="srgb-linear",Ca="linear",Nt="srgb";var gc=7680;var c0=519,h0=512,u0=513,f0=514,sd=515,d0=516,p0=517,rd=518,od=519,m0=35044,Oh=35048;var ad="300 es",Ui=2e3,Io=2001;function lb(i){for(let e=i.length-1;e>=0;--e)if(i[e]>=65535)return!0;return!1}function cb(i){return ArrayBuffer.isView(i)&&!(i instanceof DataView)}function Ra(i){return document.createElementNS("http://www.w3.org/1999/xhtml",i)}function g0(){let i=Ra("canvas");return i.style.display="block",i}var og={},Po=null;function ld(...i){let e="THREE."+i.shift();Po?Po("log",e,...i):console.log(e,...i)}function _0(i){let e=i[0];if(typeof e=="string"&&e.startsWith("TSL:")){let t=i[1];t&&t.isStackTrace?i[0]+=" "+t.getLocation():i[1]='Stack trace not available. Enable "THREE.Node.captureStackTrace" to capture stack traces.'}return i}function Ye(...i){i=_0(i);let e="THREE."+i.shift();if(Po)Po("warn",e,...i);else{let t=i[0];t&&t.isStackTrace?console.warn(t.getError(e)):console.warn(e,...i)}}function et(...i){i=_0(i);let e="THREE."+i.shift();if(Po)Po("error",e,...i);else{let t=i[0];t&&t.isStackTrace?console.error(t.getError(e)):console.error(e,...i)}}function wa(...i){let e=i.join(" ");e in og||(og[e]=!0,Ye(...i))}function y0(i,e,t){return new Promise(function(n,s){function r(){switch(i.clientWaitSync(e,i.SYNC_FLUSH_COMMANDS_BIT,0)){case i.WAIT_FAILED:s();break;case i.TIMEOUT_EXPIRED:setTimeout(r,t);break;default:n()}}setTimeout(r,t)})}var x0={[_c]:_c,[xc]:Mc,[vc]:vc,[Ro]:bc,[yc]:yc,[Mc]:xc,[Sc]:Sc,[bc]:Ro},Ki=class{addEventListener(e,t){this._listeners===void 0&&(this._listeners={});let n=this._listeners;n[e]===void 0&&(n[e]=[]),n[e].indexOf(t)===-1&&n[e].push(t)}hasEventListener(e,t){let n=this._listeners;return n===void 0?!1:n[e]!==void 0&&n[e].indexOf(t)!==-1}removeEventListener(e,t){let n=this._listeners;if(n===void 0)return;let s=n[e];if(s!==void 0){let r=s.indexOf(t);r!==-1&&s.splice(r,1)}}dispatchEvent(e){let t=this._listeners;if(t===void 0)return;let n=t[e.type];if(n!==void 0){e.target=this;let s=n.slice(0);for(let r=0,o=s.length;r<o;r++)s[r].call(this,e);e.target=null}}},qn=["00","01","02","03","04","05","06","07","08","09","0a","0b","0c","0d","0e","0f","10","11","12","13","14","15","16","17","18","19","1a","1b","1c","1d","1e","1f","20","21","22","23","24","25","26","27","28","29","2a","2b","2c","2d","2e","2f","30","31","32","33","34","35","36","37","38","39","3a","3b","3c","3d","3e","3f","40","41","42","43","44","45","46","47","48","49","4a","4b","4c","4d","4e","4f","50","51","52","53","54","55","56","57","58","59","5a","5b","5c","5d","5e","5f","60","61","62","63","64","65","66","67","68","69","6a","6b","6c","6d","6e","6f","70","71","72","73","74","75","76","77","78","79","7a","7b","7c","7d","7e","7f","80","81","82","83","84","85","86","87","88","89","8a","8b","8c","8d","8e","8f","90","91","92","93","94","95","96","97","98","99","9a","9b","9c","9d","9e","9f","a0","a1","a2","a3","a4","a5","a6","a7","a8","a9","aa","ab","ac","ad","ae","af","b0","b1","b2","b3","b4","b5","b6","b7","b8","b9","ba","bb","bc","bd","be","bf","c0","c1","c2","c3","c4","c5","c6","c7","c8","c9","ca","cb","cc","cd","ce","cf","d0","d1","d2","d3","d4","d5","d6","d7","d8","d9","da","db","dc","dd","de","df","e0","e1","e2","e3","e4","e5","e6","e7","e8","e9","ea","eb","ec","ed","ee","ef","f0","f1","f2","f3","f4","f5","f6","f7","f8","f9","fa","fb","fc","fd","fe","ff"],ag=1234567,To=Math.PI/180,Lo=180/Math.PI;function Wo(){let i=Math.random()*4294967295|0,e=Math.random()*4294967295|0,t=Math.random()*4294967295|0,n=Math.random()*4294967295|0;return(qn[i&255]+qn[i>>8&255]+qn[i>>16&255]+qn[i>>24&255]+"-"+qn[e&255]+qn[e>>8&255]+"-"+qn[e>>16&15|64]+qn[e>>24&255]+"-"+qn[t&63|128]+qn[t>>8&255]+"-"+qn[t>>16&255]+qn[t>>24&255]+qn[n&255]+qn[n>>8&255]+qn[n>>16&255]+qn[n>>24&255]).toLowerCase()}function mt(i,e,t){return Math.max(e,Math.min(t,i))}function cd(i,e){return(i%e+e)%e}function hb(i,e,t,n,s){return n+(i-e)*(s-n)/(t-e)}function ub(i,e,t){return i!==e?(t-i)/(e-i):0}function Aa(i,e,t){return(1-t)*i+t*e}function fb(i,e,t,n){return Aa(i,e,1-Math.exp(-t*n))}function db(i,e=1){return e-Math.abs(cd(i,e*2)-e)}function pb(i,e,t){return i<=e?0:i>=t?1:(i=(i-e)/(t-e),i*i*(3-2*i))}function mb(i,e,t){return i<=e?0:i>=t?1:(i=(i-e)/(t-e),i*i*i*(i*(i*6-15)+10))}function gb(i,e){return i+Math.floor(Math.random()*(e-i+1))}function _b(i,e){return i+Math.random()*(e-i)}function yb(i){return i*(.5-Math.random())}function xb(i){i!==void 0&&(ag=i);let e=ag+=1831565813;return e=Math.imul(e^e>>>15,e|1),e^=e+Math.imul(e^e>>>7,e|61),((e^e>>>14)>>>0)/4294967296}function vb(i){return i*To}function bb(i){return i*Lo}function Mb(i){return i>0&&Number.isInteger(i)&&2**Math.round(Math.log2(i))===i}function Sb(i){return Math.pow(2,Math.ceil(Math.log(i)/Math.LN2))}function hd(i){return Math.pow(2,Math.floor(Math.log(i)/Math.LN2))}function wb(i,e,t,n,s){let r=Math.cos,o=Math.sin,a=r(t/2),l=o(t/2),c=r((e+n)/2),h=o((e+n)/2),u=r((e-n)/2),f=o((e-n)/2),p=r((n-e)/2),g=o((n-e)/2);switch(s){case"XYX":i.set(a*h,l*u,l*f,a*c);break;case"YZY":i.set(l*f,a*h,l*u,a*c);break;case"ZXZ":i.set(l*u,l*f,a*h,a*c);break;case"XZX":i.set(a*h,l*g,l*p,a*c);break;case"YXY":i.set(l*p,a*h,l*g,a*c);break;case"ZYZ":i.set(l*g,l*p,a*h,a*c);break;default:Ye("MathUtils: .setQuaternionFromProperEuler() encountered an unknown order: "+s)}}function ud(i){switch(i.constructor){case Uint32Array:return 4294967295;case Uint16Array:return 65535;case Uint8Array:case Uint8ClampedArray:return 255;case Int32Array:return 2147483647;case Int16Array:return 32767;case Int8Array:return 127;default:return}}function v0(i,e){if(e.constructor===Float32Array)return i;let t=ud(e);if(t===void 0)throw new Error("THREE.MathUtils: Invalid component type.");return Math.max(i/t,-1)}function b0(i,e){if(e.constructor===Float32Array)return i;let t=ud(e);if(t===void 0)throw new Error("THREE.MathUtils: Invalid component type.");return Math.round(i*t)}var fd={DEG2RAD:To,RAD2DEG:Lo,generateUUID:Wo,clamp:mt,euclideanModulo:cd,mapLinear:hb,inverseLerp:ub,lerp:Aa,damp:fb,pingpong:db,smoothstep:pb,smootherstep:mb,randInt:gb,randFloat:_b,randFloatSpread:yb,seededRandom:xb,degToRad:vb,radToDeg:bb,isPowerOfTwo:Mb,ceilPowerOfTwo:Sb,floorPowerOfTwo:hd,setQuaternionFromProperEuler:wb,normalize:b0,denormalize:v0},qe=class{static{this.prototype.isVector2=!0}constructor(e=0,t=0){this.x=e,this.y=t}get width(){return this.x}set width(e){this.x=e}get height(){return this.y}set height(e){this.y=e}set(e,t){return this.x=e,this.y=t,this}setScalar(e){return this.x=e,this.y=e,this}setX(e){return this.x=e,this}setY(e){return this.y=e,this}setComponent(e,t){switch(e){case 0:this.x=t;break;case 1:this.y=t;break;default:throw new Error("THREE.Vector2: index is out of range: "+e)}return this}getComponent(e){switch(e){case 0:return this.x;case 1:return this.y;default:throw new Error("THREE.Vector2: index is out of range: "+e)}}clone(){return new this.constructor(this.x,this.y)}copy(e){return this.x=e.x,this.y=e.y,this}add(e){return this.x+=e.x,this.y+=e.y,this}addScalar(e){return this.x+=e,this.y+=e,this}addVectors(e,t){return this.x=e.x+t.x,this.y=e.y+t.y,this}addScaledVector(e,t){return this.x+=e.x*t,this.y+=e.y*t,this}sub(e){return this.x-=e.x,this.y-=e.y,this}subScalar(e){return this.x-=e,this.y-=e,this}subVectors(e,t){return this.x=e.x-t.x,this.y=e.y-t.y,this}multiply(e){return this.x*=e.x,this.y*=e.y,this}multiplyScalar(e){return this.x*=e,this.y*=e,this}divide(e){return this.x/=e.x,this.y/=e.y,this}divideScalar(e){return this.multiplyScalar(1/e)}applyMatrix3(e){let t=this.x,n=this.y,s=e.elements;return this.x=s[0]*t+s[3]*n+s[6],this.y=s[1]*t+s[4]*n+s[7],this}min(e){return this.x=Math.min(this.x,e.x),this.y=Math.min(this.y,e.y),this}max(e){return this.x=Math.max(this.x,e.x),this.y=Math.max(this.y,e.y),this}clamp(e,t){return this.x=mt(this.x,e.x,t.x),this.y=mt(this.y,e.y,t.y),this}clampScalar(e,t){return this.x=mt(this.x,e,t),this.y=mt(this.y,e,t),this}clampLength(e,t){let n=this.length();return this.divideScalar(n||1).multiplyScalar(mt(n,e,t))}floor(){return this.x=Math.floor(this.x),this.y=Math.floor(this.y),this}ceil(){return this.x=Math.ceil(this.x),this.y=Math.ceil(this.y),this}round(){return this.x=Math.round(this.x),this.y=Math.round(this.y),this}roundToZero(){return this.x=Math.trunc(this.x),this.y=Math.trunc(this.y),this}negate(){return this.x=-this.x,this.y=-this.y,this}dot(e){return this.x*e.x+this.y*e.y}cross(e){return this.x*e.y-this.y*e.x}lengthSq(){return this.x*this.x+this.y*this.y}length(){return Math.sqrt(this.x*this.x+this.y*this.y)}manhattanLength(){return Math.abs(this.x)+Math.abs(this.y)}normalize(){return this.divideScalar(this.length()||1)}angle(){return Math.atan2(-this.y,-this.x)+Math.PI}angleTo(e){let t=Math.sqrt(this.lengthSq()*e.lengthSq());if(t===0)return Math.PI/2;let n=this.dot(e)/t;return Math.acos(mt(n,-1,1))}distanceTo(e){return Math.sqrt(this.distanceToSquared(e))}distanceToSquared(e){let t=this.x-e.x,n=this.y-e.y;return t*t+n*n}manhattanDistanceTo(e){return Math.abs(this.x-e.x)+Math.abs(this.y-e.y)}setLength(e){return this.normalize().multiplyScalar(e)}lerp(e,t){return this.x+=(e.x-this.x)*t,this.y+=(e.y-this.y)*t,this}lerpVectors(e,t,n){return this.x=e.x+(t.x-e.x)*n,this.y=e.y+(t.y-e.y)*n,this}equals(e){return e.x===this.x&&e.y===this.y}fromArray(e,t=0){return this.x=e[t],this.y=e[t+1],this}toArray(e=[],t=0){return e[t]=this.x,e[t+1]=this.y,e}fromBufferAttribute(e,t){return this.x=e.getX(t),this.y=e.getY(t),this}rotateAround(e,t){let n=Math.cos(t),s=Math.sin(t),r=this.x-e.x,o=this.y-e.y;return this.x=r*n-o*s+e.x,this.y=r*s+o*n+e.y,this}random(){return this.x=Math.random(),this.y=Math.random(),this}*[Symbol.iterator](){yield this.x,yield this.y}},un=class{constructor(e=0,t=0,n=0,s=1){this.isQuaternion=!0,this._x=e,this._y=t,this._z=n,this._w=s}static slerpFlat(e,t,n,s,r,o,a){let l=n[s+0],c=n[s+1],h=n[s+2],u=n[s+3],f=r[o+0],p=r[o+1],g=r[o+2],x=r[o+3];if(u!==x||l!==f||c!==p||h!==g){let m=l*f+c*p+h*g+u*x;m<0&&(f=-f,p=-p,g=-g,x=-x,m=-m);let d=1-a;if(m<.9995){let _=Math.acos(m),w=Math.sin(_);d=Math.sin(d*_)/w,a=Math.sin(a*_)/w,l=l*d+f*a,c=c*d+p*a,h=h*d+g*a,u=u*d+x*a}else{l=l*d+f*a,c=c*d+p*a,h=h*d+g*a,u=u*d+x*a;let _=1/Math.sqrt(l*l+c*c+h*h+u*u);l*=_,c*=_,h*=_,u*=_}}e[t]=l,e[t+1]=c,e[t+2]=h,e[t+3]=u}static multiplyQuaternionsFlat(e,t,n,s,r,o){let a=n[s],l=n[s+1],c=n[s+2],h=n[s+3],u=r[o],f=r[o+1],p=r[o+2],g=r[o+3];return e[t]=a*g+h*u+l*p-c*f,e[t+1]=l*g+h*f+c*u-a*p,e[t+2]=c*g+h*p+a*f-l*u,e[t+3]=h*g-a*u-l*f-c*p,e}get x(){return this._x}set x(e){this._x=e,this._onChangeCallback()}get y(){return this._y}set y(e){this._y=e,this._onChangeCallback()}get z(){return this._z}set z(e){this._z=e,this._onChangeCallback()}get w(){return this._w}set w(e){this._w=e,this._onChangeCallback()}set(e,t,n,s){return this._x=e,this._y=t,this._z=n,this._w=s,this._onChangeCallback(),this}clone(){return new this.constructor(this._x,this._y,this._z,this._w)}copy(e){return this._x=e.x,this._y=e.y,this._z=e.z,this._w=e.w,this._onChangeCallback(),this}setFromEuler(e,t=!0){let n=e._x,s=e._y,r=e._z,o=e._order,a=Math.cos,l=Math.sin,c=a(n/2),h=a(s/2),u=a(r/2),f=l(n/2),p=l(s/2),g=l(r/2);switch(o){case"XYZ":this._x=f*h*u+c*p*g,this._y=c*p*u-f*h*g,this._z=c*h*g+f*p*u,this._w=c*h*u-f*p*g;break;case"YXZ":this._x=f*h*u+c*p*g,this._y=c*p*u-f*h*g,this._z=c*h*g-f*p*u,this._w=c*h*u+f*p*g;break;case"ZXY":this._x=f*h*u-c*p*g,this._y=c*p*u+f*h*g,this._z=c*h*g+f*p*u,this._w=c*h*u-f*p*g;break;case"ZYX":this._x=f*h*u-c*p*g,this._y=c*p*u+f*h*g,this._z=c*h*g-f*p*u,this._w=c*h*u+f*p*g;break;case"YZX":this._x=f*h*u+c*p*g,this._y=c*p*u+f*h*g,this._z=c*h*g-f*p*u,this._w=c*h*u-f*p*g;break;case"XZY":this._x=f*h*u-c*p*g,this._y=c*p*u-f*h*g,this._z=c*h*g+f*p*u,this._w=c*h*u+f*p*g;break;default:Ye("Quaternion: .setFromEuler() encountered an unknown order: "+o)}return t===!0&&this._onChangeCallback(),this}setFromAxisAngle(e,t){let n=t/2,s=Math.sin(n);return this._x=e.x*s,this._y=e.y*s,this._z=e.z*s,this._w=Math.cos(n),this._onChangeCallback(),this}setFromRotationMatrix(e){let t=e.elements,n=t[0],s=t[4],r=t[8],o=t[1],a=t[5],l=t[9],c=t[2],h=t[6],u=t[10],f=n+a+u;if(f>0){let p=.5/Math.sqrt(f+1);this._w=.25/p,this._x=(h-l)*p,this._y=(r-c)*p,this._z=(o-s)*p}else if(n>a&&n>u){let p=2*Math.sqrt(1+n-a-u);this._w=(h-l)/p,this._x=.25*p,this._y=(s+o)/p,this._z=(r+c)/p}else if(a>u){let p=2*Math.sqrt(1+a-n-u);this._w=(r-c)/p,this._x=(s+o)/p,this._y=.25*p,this._z=(l+h)/p}else{let p=2*Math.sqrt(1+u-n-a);this._w=(o-s)/p,this._x=(r+c)/p,this._y=(l+h)/p,this._z=.25*p}return this._onChangeCallback(),this}setFromUnitVectors(e,t){let n=e.dot(t)+1;return n<1e-8?(n=0,Math.abs(e.x)>Math.abs(e.z)?(this._x=-e.y,this._y=e.x,this._z=0,this._w=n):(this._x=0,this._y=-e.z,this._z=e.y,this._w=n)):(this._x=e.y*t.z-e.z*t.y,this._y=e.z*t.x-e.x*t.z,this._z=e.x*t.y-e.y*t.x,this._w=n),this.normalize()}angleTo(e){return 2*Math.acos(Math.abs(mt(this.dot(e),-1,1)))}rotateTowards(e,t){let n=this.angleTo(e);if(n===0)return this;let s=Math.min(1,t/n);return this.slerp(e,s),this}identity(){return this.set(0,0,0,1)}invert(){return this.conjugate()}conjugate(){return this._x*=-1,this._y*=-1,this._z*=-1,this._onChangeCallback(),this}dot(e){return this._x*e._x+this._y*e._y+this._z*e._z+this._w*e._w}lengthSq(){return this._x*this._x+this._y*this._y+this._z*this._z+this._w*this._w}length(){return Math.sqrt(this._x*this._x+this._y*this._y+this._z*this._z+this._w*this._w)}normalize(){let e=this.length();return e===0?(this._x=0,this._y=0,this._z=0,this._w=1):(e=1/e,this._x=this._x*e,this._y=this._y*e,this._z=this._z*e,this._w=this._w*e),this._onChangeCallback(),this}multiply(e){return this.multiplyQuaternions(this,e)}premultiply(e){return this.multiplyQuaternions(e,this)}multiplyQuaternions(e,t){let n=e._x,s=e._y,r=e._z,o=e._w,a=t._x,l=t._y,c=t._z,h=t._w;return this._x=n*h+o*a+s*c-r*l,this._y=s*h+o*l+r*a-n*c,this._z=r*h+o*c+n*l-s*a,this._w=o*h-n*a-s*l-r*c,this._onChangeCallback(),this}slerp(e,t){let n=e._x,s=e._y,r=e._z,o=e._w,a=this.dot(e);a<0&&(n=-n,s=-s,r=-r,o=-o,a=-a);let l=1-t;if(a<.9995){let c=Math.acos(a),h=Math.sin(c);l=Math.sin(l*c)/h,t=Math.sin(t*c)/h,this._x=this._x*l+n*t,this._y=this._y*l+s*t,this._z=this._z*l+r*t,this._w=this._w*l+o*t,this._onChangeCallback()}else this._x=this._x*l+n*t,this._y=this._y*l+s*t,this._z=this._z*l+r*t,this._w=this._w*l+o*t,this.normalize();return this}slerpQuaternions(e,t,n){return this.copy(e).slerp(t,n)}random(){let e=2*Math.PI*Math.random(),t=2*Math.PI*Math.random(),n=Math.random(),s=Math.sqrt(1-n),r=Math.sqrt(n);return this.set(s*Math.sin(e),s*Math.cos(e),r*Math.sin(t),r*Math.cos(t))}equals(e){return e._x===this._x&&e._y===this._y&&e._z===this._z&&e._w===this._w}fromArray(e,t=0){return this._x=e[t],this._y=e[t+1],this._z=e[t+2],this._w=e[t+3],this._onChangeCallback(),this}toArray(e=[],t=0){return e[t]=this._x,e[t+1]=this._y,e[t+2]=this._z,e[t+3]=this._w,e}fromBufferAttribute(e,t){return this._x=e.getX(t),this._y=e.getY(t),this._z=e.getZ(t),this._w=e.getW(t),this._onChangeCallback(),this}toJSON(){return this.toArray()}_onChange(e){return this._onChangeCallback=e,this}_onChangeCallback(){}*[Symbol.iterator](){yield this._x,yield this._y,yield this._z,yield this._w}},F=class{static{this.prototype.isVector3=!0}constructor(e=0,t=0,n=0){this.x=e,this.y=t,this.z=n}set(e,t,n){return n===void 0&&(n=this.z),this.x=e,this.y=t,this.z=n,this}setScalar(e){return this.x=e,this.y=e,this.z=e,this}setX(e){return this.x=e,this}setY(e){return this.y=e,this}setZ(e){return this.z=e,this}setComponent(e,t){switch(e){case 0:this.x=t;break;case 1:this.y=t;break;case 2:this.z=t;break;default:throw new Error("THREE.Vector3: index is out of range: "+e)}return this}getComponent(e){switch(e){case 0:return this.x;case 1:return this.y;case 2:return this.z;default:throw new Error("THREE.Vector3: index is out of range: "+e)}}clone(){return new this.constructor(this.x,this.y,this.z)}copy(e){return this.x=e.x,this.y=e.y,this.z=e.z,this}add(e){return this.x+=e.x,this.y+=e.y,this.z+=e.z,this}addScalar(e){return this.x+=e,this.y+=e,this.z+=e,this}addVectors(e,t){return this.x=e.x+t.x,this.y=e.y+t.y,this.z=e.z+t.z,this}addScaledVector(e,t){return this.x+=e.x*t,this.y+=e.y*t,this.z+=e.z*t,this}sub(e){return this.x-=e.x,this.y-=e.y,this.z-=e.z,this}subScalar(e){return this.x-=e,this.y-=e,this.z-=e,this}subVectors(e,t){return this.x=e.x-t.x,this.y=e.y-t.y,this.z=e.z-t.z,this}multiply(e){return this.x*=e.x,this.y*=e.y,this.z*=e.z,this}multiplyScalar(e){return this.x*=e,this.y*=e,this.z*=e,this}multiplyVectors(e,t){return this.x=e.x*t.x,this.y=e.y*t.y,this.z=e.z*t.z,this}applyEuler(e){return this.applyQuaternion(lg.setFromEuler(e))}applyAxisAngle(e,t){return this.applyQuaternion(lg.setFromAxisAngle(e,t))}applyMatrix3(e){let t=this.x,n=this.y,s=this.z,r=e.elements;return this.x=r[0]*t+r[3]*n+r[6]*s,this.y=r[1]*t+r[4]*n+r[7]*s,this.z=r[2]*t+r[5]*n+r[8]*s,this}applyNormalMatrix(e){return this.applyMatrix3(e).normalize()}applyMatrix4(e){let t=this.x,n=this.y,s=this.z,r=e.elements,o=1/(r[3]*t+r[7]*n+r[11]*s+r[15]);return this.x=(r[0]*t+r[4]*n+r[8]*s+r[12])*o,this.y=(r[1]*t+r[5]*n+r[9]*s+r[13])*o,this.z=(r[2]*t+r[6]*n+r[10]*s+r[14])*o,this}applyQuaternion(e){let t=this.x,n=this.y,s=this.z,r=e.x,o=e.y,a=e.z,l=e.w,c=2*(o*s-a*n),h=2*(a*t-r*s),u=2*(r*n-o*t);return this.x=t+l*c+o*u-a*h,this.y=n+l*h+a*c-r*u,this.z=s+l*u+r*h-o*c,this}project(e){return this.applyMatrix4(e.matrixWorldInverse).applyMatrix4(e.projectionMatrix)}unproject(e){return this.applyMatrix4(e.projectionMatrixInverse).applyMatrix4(e.matrixWorld)}transformDirection(e){let t=this.x,n=this.y,s=this.z,r=e.elements;return this.x=r[0]*t+r[4]*n+r[8]*s,this.y=r[1]*t+r[5]*n+r[9]*s,this.z=r[2]*t+r[6]*n+r[10]*s,this.normalize()}divide(e){return this.x/=e.x,this.y/=e.y,this.z/=e.z,this}divideScalar(e){return this.multiplyScalar(1/e)}min(e){return this.x=Math.min(this.x,e.x),this.y=Math.min(this.y,e.y),this.z=Math.min(this.z,e.z),this}max(e){return this.x=Math.max(this.x,e.x),this.y=Math.max(this.y,e.y),this.z=Math.max(this.z,e.z),this}clamp(e,t){return this.x=mt(this.x,e.x,t.x),this.y=mt(this.y,e.y,t.y),this.z=mt(this.z,e.z,t.z),this}clampScalar(e,t){return this.x=mt(this.x,e,t),this.y=mt(this.y,e,t),this.z=mt(this.z,e,t),this}clampLength(e,t){let n=this.length();return this.divideScalar(n||1).multiplyScalar(mt(n,e,t))}floor(){return this.x=Math.floor(this.x),this.y=Math.floor(this.y),this.z=Math.floor(this.z),this}ceil(){return this.x=Math.ceil(this.x),this.y=Math.ceil(this.y),this.z=Math.ceil(this.z),this}round(){return this.x=Math.round(this.x),this.y=Math.round(this.y),this.z=Math.round(this.z),this}roundToZero(){return this.x=Math.trunc(this.x),this.y=Math.trunc(this.y),this.z=Math.trunc(this.z),this}negate(){return this.x=-this.x,this.y=-this.y,this.z=-this.z,this}dot(e){return this.x*e.x+this.y*e.y+this.z*e.z}lengthSq(){return this.x*this.x+this.y*this.y+this.z*this.z}length(){return Math.sqrt(this.x*this.x+this.y*this.y+this.z*this.z)}manhattanLength(){return Math.abs(this.x)+Math.abs(this.y)+Math.abs(this.z)}normalize(){return this.divideScalar(this.length()||1)}setLength(e){return this.normalize().multiplyScalar(e)}lerp(e,t){return this.x+=(e.x-this.x)*t,this.y+=(e.y-this.y)*t,this.z+=(e.z-this.z)*t,this}lerpVectors(e,t,n){return this.x=e.x+(t.x-e.x)*n,this.y=e.y+(t.y-e.y)*n,this.z=e.z+(t.z-e.z)*n,this}cross(e){return this.crossVectors(this,e)}crossVectors(e,t){let n=e.x,s=e.y,r=e.z,o=t.x,a=t.y,l=t.z;return this.x=s*l-r*a,this.y=r*o-n*l,this.z=n*a-s*o,this}projectOnVector(e){let t=e.lengthSq();if(t===0)return this.set(0,0,0);let n=e.dot(this)/t;return this.copy(e).multiplyScalar(n)}projectOnPlane(e){return of.copy(this).projectOnVector(e),this.sub(of)}reflect(e){return this.sub(of.copy(e).multiplyScalar(2*this.dot(e)))}angleTo(e){let t=Math.sqrt(this.lengthSq()*e.lengthSq());if(t===0)return Math.PI/2;let n=this.dot(e)/t;return Math.acos(mt(n,-1,1))}distanceTo(e){return Math.sqrt(this.distanceToSquared(e))}distanceToSquared(e){let t=this.x-e.x,n=this.y-e.y,s=this.z-e.z;return t*t+n*n+s*s}manhattanDistanceTo(e){return Math.abs(this.x-e.x)+Math.abs(this.y-e.y)+Math.abs(this.z-e.z)}setFromSpherical(e){return this.setFromSphericalCoords(e.radius,e.phi,e.theta)}setFromSphericalCoords(e,t,n){let s=Math.sin(t)*e;return this.x=s*Math.sin(n),this.y=Math.cos(t)*e,this.z=s*Math.cos(n),this}setFromCylindrical(e){return this.setFromCylindricalCoords(e.radius,e.theta,e.y)}setFromCylindricalCoords(e,t,n){return this.x=e*Math.sin(t),this.y=n,this.z=e*Math.cos(t),this}setFromMatrixPosition(e){let t=e.elements;return this.x=t[12],this.y=t[13],this.z=t[14],this}setFromMatrixScale(e){let t=this.setFromMatrixColumn(e,0).length(),n=this.setFromMatrixColumn(e,1).length(),s=this.setFromMatrixColumn(e,2).length();return this.x=t,this.y=n,this.z=s,this}setFromMatrixColumn(e,t){return this.fromArray(e.elements,t*4)}setFromMatrix3Column(e,t){return this.fromArray(e.elements,t*3)}setFromEuler(e){return this.x=e._x,this.y=e._y,this.z=e._z,this}setFromColor(e){return this.x=e.r,this.y=e.g,this.z=e.b,this}equals(e){return e.x===this.x&&e.y===this.y&&e.z===this.z}fromArray(e,t=0){return this.x=e[t],this.y=e[t+1],this.z=e[t+2],this}toArray(e=[],t=0){return e[t]=this.x,e[t+1]=this.y,e[t+2]=this.z,e}fromBufferAttribute(e,t){return this.x=e.getX(t),this.y=e.getY(t),this.z=e.getZ(t),this}random(){return this.x=Math.random(),this.y=Math.random(),this.z=Math.random(),this}randomDirection(){let e=Math.random()*Math.PI*2,t=Math.random()*2-1,n=Math.sqrt(1-t*t);return this.x=n*Math.cos(e),this.y=t,this.z=n*Math.sin(e),this}*[Symbol.iterator](){yield this.x,yield this.y,yield this.z}},of=new F,lg=new un,nt=class{static{this.prototype.isMatrix3=!0}constructor(e,t,n,s,r,o,a,l,c){this.elements=[1,0,0,0,1,0,0,0,1],e!==void 0&&this.set(e,t,n,s,r,o,a,l,c)}set(e,t,n,s,r,o,a,l,c){let h=this.elements;return h[0]=e,h[1]=s,h[2]=a,h[3]=t,h[4]=r,h[5]=l,h[6]=n,h[7]=o,h[8]=c,this}identity(){return this.set(1,0,0,0,1,0,0,0,1),this}copy(e){let t=this.elements,n=e.elements;return t[0]=n[0],t[1]=n[1],t[2]=n[2],t[3]=n[3],t[4]=n[4],t[5]=n[5],t[6]=n[6],t[7]=n[7],t[8]=n[8],this}extractBasis(e,t,n){return e.setFromMatrix3Column(this,0),t.setFromMatrix3Column(this,1),n.setFromMatrix3Column(this,2),this}setFromMatrix4(e){let t=e.elements;return this.set(t[0],t[4],t[8],t[1],t[5],t[9],t[2],t[6],t[10]),this}multiply(e){return this.multiplyMatrices(this,e)}premultiply(e){return this.multiplyMatrices(e,this)}multiplyMatrices(e,t){let n=e.elements,s=t.elements,r=this.elements,o=n[0],a=n[3],l=n[6],c=n[1],h=n[4],u=n[7],f=n[2],p=n[5],g=n[8],x=s[0],m=s[3],d=s[6],_=s[1],w=s[4],b=s[7],E=s[2],S=s[5],y=s[8];return r[0]=o*x+a*_+l*E,r[3]=o*m+a*w+l*S,r[6]=o*d+a*b+l*y,r[1]=c*x+h*_+u*E,r[4]=c*m+h*w+u*S,r[7]=c*d+h*b+u*y,r[2]=f*x+p*_+g*E,r[5]=f*m+p*w+g*S,r[8]=f*d+p*b+g*y,this}multiplyScalar(e){let t=this.elements;return t[0]*=e,t[3]*=e,t[6]*=e,t[1]*=e,t[4]*=e,t[7]*=e,t[2]*=e,t[5]*=e,t[8]*=e,this}determinant(){let e=this.elements,t=e[0],n=e[1],s=e[2],r=e[3],o=e[4],a=e[5],l=e[6],c=e[7],h=e[8];return t*o*h-t*a*c-n*r*h+n*a*l+s*r*c-s*o*l}invert(){let e=this.elements,t=e[0],n=e[1],s=e[2],r=e[3],o=e[4],a=e[5],l=e[6],c=e[7],h=e[8],u=h*o-a*c,f=a*l-h*r,p=c*r-o*l,g=t*u+n*f+s*p;if(g===0)return this.set(0,0,0,0,0,0,0,0,0);let x=1/g;return e[0]=u*x,e[1]=(s*c-h*n)*x,e[2]=(a*n-s*o)*x,e[3]=f*x,e[4]=(h*t-s*l)*x,e[5]=(s*r-a*t)*x,e[6]=p*x,e[7]=(n*l-c*t)*x,e[8]=(o*t-n*r)*x,this}transpose(){let e,t=this.elements;return e=t[1],t[1]=t[3],t[3]=e,e=t[2],t[2]=t[6],t[6]=e,e=t[5],t[5]=t[7],t[7]=e,this}getNormalMatrix(e){return this.setFromMatrix4(e).invert().transpose()}transposeIntoArray(e){let t=this.elements;return e[0]=t[0],e[1]=t[3],e[2]=t[6],e[3]=t[1],e[4]=t[4],e[5]=t[7],e[6]=t[2],e[7]=t[5],e[8]=t[8],this}setUvTransform(e,t,n,s,r,o,a){let l=Math.cos(r),c=Math.sin(r);return this.set(n*l,n*c,-n*(l*o+c*a)+o+e,-s*c,s*l,-s*(-c*o+l*a)+a+t,0,0,1),this}scale(e,t){return wa("Matrix3: .scale() is deprecated. Use .makeScale() instead."),this.premultiply(af.makeScale(e,t)),this}rotate(e){return wa("Matrix3: .rotate() is deprecated. Use .makeRotation() instead."),this.premultiply(af.makeRotation(-e)),this}translate(e,t){return wa("Matrix3: .translate() is deprecated. Use .makeTranslation() instead."),this.premultiply(af.makeTranslation(e,t)),this}makeTranslation(e,t){return e.isVector2?this.set(1,0,e.x,0,1,e.y,0,0,1):this.set(1,0,e,0,1,t,0,0,1),this}makeRotation(e){let t=Math.cos(e),n=Math.sin(e);return this.set(t,-n,0,n,t,0,0,0,1),this}makeScale(e,t){return this.set(e,0,0,0,t,0,0,0,1),this}equals(e){let t=this.elements,n=e.elements;for(let s=0;s<9;s++)if(t[s]!==n[s])return!1;return!0}fromArray(e,t=0){for(let n=0;n<9;n++)this.elements[n]=e[n+t];return this}toArray(e=[],t=0){let n=this.elements;return e[t]=n[0],e[t+1]=n[1],e[t+2]=n[2],e[t+3]=n[3],e[t+4]=n[4],e[t+5]=n[5],e[t+6]=n[6],e[t+7]=n[7],e[t+8]=n[8],e}clone(){return new this.constructor().fromArray(this.elements)}},af=new nt,cg=new nt().set(.4123908,.3575843,.1804808,.212639,.7151687,.0721923,.0193308,.1191948,.9505322),hg=new nt().set(3.2409699,-1.5373832,-.4986108,-.9692436,1.8759675,.0415551,.0556301,-.203977,1.0569715);function Ab(){let i={enabled:!0,workingColorSpace:Ta,spaces:{},convert:function(s,r,o){return this.enabled===!1||r===o||!r||!o||(this.spaces[r].transfer===Nt&&(s.r=Ps(s.r),s.g=Ps(s.g),s.b=Ps(s.b)),this.spaces[r].primaries!==this.spaces[o].primaries&&(s.applyMatrix3(this.spaces[r].toXYZ),s.applyMatrix3(this.spaces[o].fromXYZ)),this.spaces[o].transfer===Nt&&(s.r=Co(s.r),s.g=Co(s.g),s.b=Co(s.b))),s},workingToColorSpace:function(s,r){return this.convert(s,this.workingColorSpace,r)},colorSpaceToWorking:function(s,r){return this.convert(s,r,this.workingColorSpace)},getPrimaries:function(s){return this.spaces[s].primaries},getTransfer:function(s){return s===Bs?Ca:this.spaces[s].transfer},getToneMappingMode:function(s){return this.spaces[s].outputColorSpaceConfig.toneMappingMode||"standard"},getLuminanceCoefficients:function(s,r=this.workingColorSpace){return s.fromArray(this.spaces[r].luminanceCoefficients)},define:function(s){Object.assign(this.spaces,s)},_getMatrix:function(s,r,o){return s.copy(this.spaces[o].fromXYZ).multiply(this.spaces[r].toXYZ)},_getDrawingBufferColorSpace:function(s){return this.spaces[s].outputColorSpaceConfig.drawingBufferColorSpace},_getUnpackColorSpace:function(s=this.workingColorSpace){return this.spaces[s].workingColorSpaceConfig.unpackColorSpace}},e=[.64,.33,.3,.6,.15,.06],t=[.2126,.7152,.0722],n=[.3127,.329];return i.define({[Ta]:{primaries:e,whitePoint:n,transfer:Ca,toXYZ:cg,fromXYZ:hg,luminanceCoefficients:t,workingColorSpaceConfig:{unpackColorSpace:wi},outputColorSpaceConfig:{drawingBufferColorSpace:wi}},[wi]:{primaries:e,whitePoint:n,transfer:Nt,toXYZ:cg,fromXYZ:hg,luminanceCoefficients:t,outputColorSpaceConfig:{drawingBufferColorSpace:wi}}}),i}var vt=Ab();function Ps(i){return i<.04045?i*.0773993808:Math.pow(i*.9478672986+.0521327014,2.4)}function Co(i){return i<.0031308?i*12.92:1.055*Math.pow(i,.41666)-.055}var po,Tc=class{static getDataURL(e,t="image/png"){if(/^data:/i.test(e.src)||typeof HTMLCanvasElement>"u")return e.src;let n;if(e instanceof HTMLCanvasElement)n=e;else{po===void 0&&(po=Ra("canvas")),po.width=e.width,po.height=e.height;let s=po.getContext("2d");e instanceof ImageData?s.putImageData(e,0,0):s.drawImage(e,0,0,e.width,e.height),n=po}return n.toDataURL(t)}static sRGBToLinear(e){if(typeof HTMLImageElement<"u"&&e instanceof HTMLImageElement||typeof HTMLCanvasElement<"u"&&e instanceof HTMLCanvasElement||typeof ImageBitmap<"u"&&e instanceof ImageBitmap){let t=Ra("canvas");t.width=e.width,t.height=e.height;let n=t.getContext("2d");n.drawImage(e,0,0,e.width,e.height);let s=n.getImageData(0,0,e.width,e.height),r=s.data;for(let o=0;o<r.length;o++)r[o]=Ps(r[o]/255)*255;return n.putImageData(s,0,0),t}else if(e.data){let t=e.data.slice(0);for(let n=0;n<t.length;n++)t instanceof Uint8Array||t instanceof Uint8ClampedArray?t[n]=Math.floor(Ps(t[n]/255)*255):t[n]=Ps(t[n]);return{data:t,width:e.width,height:e.height}}else return Ye("ImageUtils.sRGBToLinear(): Unsupported image type. No color space conversion applied."),e}},Eb=0,Do=class{constructor(e=null){this.isTextureSource=!0,Object.defineProperty(this,"id",{value:Eb++}),this.uuid=Wo(),this.data=e,this.dataReady=!0,this.version=0}getSize(e){let t=this.data;return typeof HTMLVideoElement<"u"&&t instanceof HTMLVideoElement?e.set(t.videoWidth,t.videoHeight,0):typeof VideoFrame<"u"&&t instanceof VideoFrame?e.set(t.displayWidth,t.displayHeight,0):t!==null?e.set(t.width||0,t.height||0,t.depth||0):e.set(0,0,0),e}set needsUpdate(e){e===!0&&this.version++}toJSON(e){let t=e===void 0||typeof e=="string";if(!t&&e.images[this.uuid]!==void 0)return e.images[this.uuid];let n={uuid:this.uuid,url:""},s=this.data;if(s!==null){let r;if(Array.isArray(s)){r=[];for(let o=0,a=s.length;o<a;o++)s[o].isDataTexture?r.push(lf(s[o].image)):r.push(lf(s[o]))}else r=lf(s);n.url=r}return t||(e.images[this.uuid]=n),n}};function lf(i){return typeof HTMLImageElement<"u"&&i instanceof HTMLImageElement||typeof HTMLCanvasElement<"u"&&i instanceof HTMLCanvasElement||typeof ImageBitmap<"u"&&i instanceof ImageBitmap?Tc.getDataURL(i):i.data?{data:Array.from(i.data),width:i.width,height:i.height,type:i.data.constructor.name}:(Ye("Texture: Unable to serialize Texture."),{})}var Tb=0,cf=new F,li=class i extends Ki{constructor(e=i.DEFAULT_IMAGE,t=i.DEFAULT_MAPPING,n=fs,s=fs,r=ri,o=Fs,a=es,l=hi,c=i.DEFAULT_ANISOTROPY,h=Bs){super(),this.isTexture=!0,Object.defineProperty(this,"id",{value:Tb++}),this.uuid=Wo(),this.name="",this.source=new Do(e),this.mipmaps=[],this.mapping=t,this.channel=0,this.wrapS=n,this.wrapT=s,this.magFilter=r,this.minFilter=o,this.anisotropy=c,this.format=a,this.internalFormat=null,this.type=l,this.offset=new qe(0,0),this.repeat=new qe(1,1),this.center=new qe(0,0),this.rotation=0,this.matrixAutoUpdate=!0,this.matrix=new nt,this.generateMipmaps=!0,this.mipmapsAutoUpdate=!0,this.premultiplyAlpha=!1,this.flipY=!0,this.unpackAlignment=4,this.colorSpace=h,this.userData={},this.updateRanges=[],this.version=0,this.onUpdate=null,this.renderTarget=null,this.isRenderTargetTexture=!1,this.isArrayTexture=!!(e&&e.depth&&e.depth>1),this.pmremVersion=0,this.isPMREMTexture=!1,this.normalized=!1}get width(){return this.source.getSize(cf).x}get height(){return this.source.getSize(cf).y}get depth(){return this.source.getSize(cf).z}get image(){return this.source.data}set image(e){this.source.data=e}updateMatrix(){this.matrix.setUvTransform(this.offset.x,this.offset.y,this.repeat.x,this.repeat.y,this.rotation,this.center.x,this.center.y)}addUpdateRange(e,t){this.updateRanges.push({start:e,count:t})}clearUpdateRanges(){this.updateRanges.length=0}clone(){return new this.constructor().copy(this)}copy(e){return this.name=e.name,this.source=e.source,this.mipmaps=e.mipmaps.slice(0),this.mapping=e.mapping,this.channel=e.channel,this.wrapS=e.wrapS,this.wrapT=e.wrapT,this.magFilter=e.magFilter,this.minFilter=e.minFilter,this.anisotropy=e.anisotropy,this.format=e.format,this.internalFormat=e.internalFormat,this.type=e.type,this.normalized=e.normalized,this.offset.copy(e.offset),this.repeat.copy(e.repeat),this.center.copy(e.center),this.rotation=e.rotation,this.matrixAutoUpdate=e.matrixAutoUpdate,this.matrix.copy(e.matrix),this.generateMipmaps=e.generateMipmaps,this.mipmapsAutoUpdate=e.mipmapsAutoUpdate,this.premultiplyAlpha=e.premultiplyAlpha,this.flipY=e.flipY,this.unpackAlignment=e.unpackAlignment,this.colorSpace=e.colorSpace,this.renderTarget=e.renderTarget,this.isRenderTargetTexture=e.isRenderTargetTexture,this.isPMREMTexture=e.isPMREMTexture,this.isArrayTexture=e.isArrayTexture,this.userData=JSON.parse(JSON.stringify(e.userData)),this.needsUpdate=!0,this}setValues(e){for(let t in e){let n=e[t];if(n===void 0){Ye(`Texture.setValues(): parameter '${t}' has value of undefined.`);continue}let s=this[t];if(s===void 0){Ye(`Texture.setValues(): property '${t}' does not exist.`);continue}s&&n&&s.isVector2&&n.isVector2||s&&n&&s.isVector3&&n.isVector3||s&&n&&s.isMatrix3&&n.isMatrix3?s.copy(n):this[t]=n}}toJSON(e){let t=e===void 0||typeof e=="string";if(!t&&e.textures[this.uuid]!==void 0)return e.textures[this.uuid];let n={metadata:{version:4.7,type:"Texture",generator:"Texture.toJSON"},uuid:this.uuid,name:this.name,image:this.source.toJSON(e).uuid,mapping:this.mapping,channel:this.channel,repeat:[this.repeat.x,this.repeat.y],offset:[this.offset.x,this.offset.y],center:[this.center.x,this.center.y],rotation:this.rotation,wrap:[this.wrapS,this.wrapT],format:this.format,internalFormat:this.internalFormat,type:this.type,normalized:this.normalized,colorSpace:this.colorSpace,minFilter:this.minFilter,magFilter:this.magFilter,anisotropy:this.anisotropy,flipY:this.flipY,generateMipmaps:this.generateMipmaps,mipmapsAutoUpdate:this.mipmapsAutoUpdate,premultiplyAlpha:this.premultiplyAlpha,unpackAlignment:this.unpackAlignment};return Object.keys(this.userData).length>0&&(n.userData=this.userData),t||(e.textures[this.uuid]=n),n}dispose(){this.dispatchEvent({type:"dispose"})}transformUv(e){if(this.mapping!==Kf)return e;if(e.applyMatrix3(this.matrix),e.x<0||e.x>1)switch(this.wrapS){case wc:e.x=e.x-Math.floor(e.x);break;case fs:e.x=e.x<0?0:1;break;case Ac:Math.abs(Math.floor(e.x)%2)===1?e.x=Math.ceil(e.x)-e.x:e.x=e.x-Math.floor(e.x);break}if(e.y<0||e.y>1)switch(this.wrapT){case wc:e.y=e.y-Math.floor(e.y);break;case fs:e.y=e.y<0?0:1;break;case Ac:Math.abs(Math.floor(e.y)%2)===1?e.y=Math.ceil(e.y)-e.y:e.y=e.y-Math.floor(e.y);break}return this.flipY&&(e.y=1-e.y),e}set needsUpdate(e){e===!0&&(this.version++,this.source.needsUpdate=!0)}set needsPMREMUpdate(e){e===!0&&this.pmremVersion++}};li.DEFAULT_IMAGE=null;li.DEFAULT_MAPPING=Kf;li.DEFAULT_ANISOTROPY=1;var en=class{static{this.prototype.isVector4=!0}constructor(e=0,t=0,n=0,s=1){this.x=e,this.y=t,this.z=n,this.w=s}get width(){return this.z}set width(e){this.z=e}get height(){return this.w}set height(e){this.w=e}set(e,t,n,s){return this.x=e,this.y=t,this.z=n,this.w=s,this}setScalar(e){return this.x=e,this.y=e,this.z=e,this.w=e,this}setX(e){return this.x=e,this}setY(e){return this.y=e,this}setZ(e){return this.z=e,this}setW(e){return this.w=e,this}setComponent(e,t){switch(e){case 0:this.x=t;break;case 1:this.y=t;break;case 2:this.z=t;break;case 3:this.w=t;break;default:throw new Error("THREE.Vector4: index is out of range: "+e)}return this}getComponent(e){switch(e){case 0:return this.x;case 1:return this.y;case 2:return this.z;case 3:return this.w;default:throw new Error("THREE.Vector4: index is out of range: "+e)}}clone(){return new this.constructor(this.x,this.y,this.z,this.w)}copy(e){return this.x=e.x,this.y=e.y,this.z=e.z,this.w=e.w!==void 0?e.w:1,this}add(e){return this.x+=e.x,this.y+=e.y,this.z+=e.z,this.w+=e.w,this}addScalar(e){return this.x+=e,this.y+=e,this.z+=e,this.w+=e,this}addVectors(e,t){return this.x=e.x+t.x,this.y=e.y+t.y,this.z=e.z+t.z,this.w=e.w+t.w,this}addScaledVector(e,t){return this.x+=e.x*t,this.y+=e.y*t,this.z+=e.z*t,this.w+=e.w*t,this}sub(e){return this.x-=e.x,this.y-=e.y,this.z-=e.z,this.w-=e.w,this}subScalar(e){return this.x-=e,this.y-=e,this.z-=e,this.w-=e,this}subVectors(e,t){return this.x=e.x-t.x,this.y=e.y-t.y,this.z=e.z-t.z,this.w=e.w-t.w,this}multiply(e){return this.x*=e.x,this.y*=e.y,this.z*=e.z,this.w*=e.w,this}multiplyScalar(e){return this.x*=e,this.y*=e,this.z*=e,this.w*=e,this}applyMatrix4(e){let t=this.x,n=this.y,s=this.z,r=this.w,o=e.elements;return this.x=o[0]*t+o[4]*n+o[8]*s+o[12]*r,this.y=o[1]*t+o[5]*n+o[9]*s+o[13]*r,this.z=o[2]*t+o[6]*n+o[10]*s+o[14]*r,this.w=o[3]*t+o[7]*n+o[11]*s+o[15]*r,this}divide(e){return this.x/=e.x,this.y/=e.y,this.z/=e.z,this.w/=e.w,this}divideScalar(e){return this.multiplyScalar(1/e)}setAxisAngleFromQuaternion(e){this.w=2*Math.acos(e.w);let t=Math.sqrt(1-e.w*e.w);return t<1e-4?(this.x=1,this.y=0,this.z=0):(this.x=e.x/t,this.y=e.y/t,this.z=e.z/t),this}setAxisAngleFromRotationMatrix(e){let t,n,s,r,l=e.elements,c=l[0],h=l[4],u=l[8],f=l[1],p=l[5],g=l[9],x=l[2],m=l[6],d=l[10];if(Math.abs(h-f)<.01&&Math.abs(u-x)<.01&&Math.abs(g-m)<.01){if(Math.abs(h+f)<.1&&Math.abs(u+x)<.1&&Math.abs(g+m)<.1&&Math.abs(c+p+d-3)<.1)return this.set(1,0,0,0),this;t=Math.PI;let w=(c+1)/2,b=(p+1)/2,E=(d+1)/2,S=(h+f)/4,y=(u+x)/4,M=(g+m)/4;return w>b&&w>E?w<.01?(n=0,s=.707106781,r=.707106781):(n=Math.sqrt(w),s=S/n,r=y/n):b>E?b<.01?(n=.707106781,s=0,r=.707106781):(s=Math.sqrt(b),n=S/s,r=M/s):E<.01?(n=.707106781,s=.707106781,r=0):(r=Math.sqrt(E),n=y/r,s=M/r),this.set(n,s,r,t),this}let _=Math.sqrt((m-g)*(m-g)+(u-x)*(u-x)+(f-h)*(f-h));return Math.abs(_)<.001&&(_=1),this.x=(m-g)/_,this.y=(u-x)/_,this.z=(f-h)/_,this.w=Math.acos((c+p+d-1)/2),this}setFromMatrixPosition(e){let t=e.elements;return this.x=t[12],this.y=t[13],this.z=t[14],this.w=t[15],this}min(e){return this.x=Math.min(this.x,e.x),this.y=Math.min(this.y,e.y),this.z=Math.min(this.z,e.z),this.w=Math.min(this.w,e.w),this}max(e){return this.x=Math.max(this.x,e.x),this.y=Math.max(this.y,e.y),this.z=Math.max(this.z,e.z),this.w=Math.max(this.w,e.w),this}clamp(e,t){return this.x=mt(this.x,e.x,t.x),this.y=mt(this.y,e.y,t.y),this.z=mt(this.z,e.z,t.z),this.w=mt(this.w,e.w,t.w),this}clampScalar(e,t){return this.x=mt(this.x,e,t),this.y=mt(this.y,e,t),this.z=mt(this.z,e,t),this.w=mt(this.w,e,t),this}clampLength(e,t){let n=this.length();return this.divideScalar(n||1).multiplyScalar(mt(n,e,t))}floor(){return this.x=Math.floor(this.x),this.y=Math.floor(this.y),this.z=Math.floor(this.z),this.w=Math.floor(this.w),this}ceil(){return this.x=Math.ceil(this.x),this.y=Math.ceil(this.y),this.z=Math.ceil(this.z),this.w=Math.ceil(this.w),this}round(){return this.x=Math.round(this.x),this.y=Math.round(this.y),this.z=Math.round(this.z),this.w=Math.round(this.w),this}roundToZero(){return this.x=Math.trunc(this.x),this.y=Math.trunc(this.y),this.z=Math.trunc(this.z),this.w=Math.trunc(this.w),this}negate(){return this.x=-this.x,this.y=-this.y,this.z=-this.z,this.w=-this.w,this}dot(e){return this.x*e.x+this.y*e.y+this.z*e.z+this.w*e.w}lengthSq(){return this.x*this.x+this.y*this.y+this.z*this.z+this.w*this.w}length(){return Math.sqrt(this.x*this.x+this.y*this.y+this.z*this.z+this.w*this.w)}manhattanLength(){return Math.abs(this.x)+Math.abs(this.y)+Math.abs(this.z)+Math.abs(this.w)}normalize(){return this.divideScalar(this.length()||1)}setLength(e){return this.normalize().multiplyScalar(e)}lerp(e,t){return this.x+=(e.x-this.x)*t,this.y+=(e.y-this.y)*t,this.z+=(e.z-this.z)*t,this.w+=(e.w-this.w)*t,this}lerpVectors(e,t,n){return this.x=e.x+(t.x-e.x)*n,this.y=e.y+(t.y-e.y)*n,this.z=e.z+(t.z-e.z)*n,this.w=e.w+(t.w-e.w)*n,this}equals(e){return e.x===this.x&&e.y===this.y&&e.z===this.z&&e.w===this.w}fromArray(e,t=0){return this.x=e[t],this.y=e[t+1],this.z=e[t+2],this.w=e[t+3],this}toArray(e=[],t=0){return e[t]=this.x,e[t+1]=this.y,e[t+2]=this.z,e[t+3]=this.w,e}fromBufferAttribute(e,t){return this.x=e.getX(t),this.y=e.getY(t),this.z=e.getZ(t),this.w=e.getW(t),this}random(){return this.x=Math.random(),this.y=Math.random(),this.z=Math.random(),this.w=Math.random(),this}*[Symbol.iterator](){yield this.x,yield this.y,yield this.z,yield this.w}},Cc=class extends Ki{constructor(e=1,t=1,n={}){super(),n=Object.assign({generateMipmaps:!1,internalFormat:null,minFilter:ri,depthBuffer:!0,stencilBuffer:!1,resolveColorBuffer:!0,resolveDepthBuffer:!0,resolveStencilBuffer:!0,storeMultisampledColorBuffer:!0,storeMultisampledDepthBuffer:!0,storeMultisampledStencilBuffer:!0,depthTexture:null,samples:0,count:1,depth:1,multiview:!1,useArrayDepthTexture:!1},n),this.isRenderTarget=!0,this.width=e,this.height=t,this.depth=n.depth,this.scissor=new en(0,0,e,t),this.scissorTest=!1,this.viewport=new en(0,0,e,t),this.textures=[];let s=n.count;for(let r=0;r<s;r++)this.textures[r]=new li({width:e,height:t,depth:n.depth}),this.textures[r].isRenderTargetTexture=!0,this.textures[r].renderTarget=this;this._setTextureOptions(n),this.depthBuffer=n.depthBuffer,this.stencilBuffer=n.stencilBuffer,this.resolveColorBuffer=n.resolveColorBuffer,this.resolveDepthBuffer=n.resolveDepthBuffer,this.resolveStencilBuffer=n.resolveStencilBuffer,this.storeMultisampledColorBuffer=n.storeMultisampledColorBuffer,this.storeMultisampledDepthBuffer=n.storeMultisampledDepthBuffer,this.storeMultisampledStencilBuffer=n.storeMultisampledStencilBuffer,this._depthTexture=null,this.depthTexture=n.depthTexture,this.samples=n.samples,this.multiview=n.multiview,this.useArrayDepthTexture=n.useArrayDepthTexture}_setTextureOptions(e={}){let t={minFilter:ri,generateMipmaps:!1,flipY:!1,internalFormat:null};e.mapping!==void 0&&(t.mapping=e.mapping),e.wrapS!==void 0&&(t.wrapS=e.wrapS),e.wrapT!==void 0&&(t.wrapT=e.wrapT),e.wrapR!==void 0&&(t.wrapR=e.wrapR),e.magFilter!==void 0&&(t.magFilter=e.magFilter),e.minFilter!==void 0&&(t.minFilter=e.minFilter),e.format!==void 0&&(t.format=e.format),e.type!==void 0&&(t.type=e.type),e.anisotropy!==void 0&&(t.anisotropy=e.anisotropy),e.colorSpace!==void 0&&(t.colorSpace=e.colorSpace),e.flipY!==void 0&&(t.flipY=e.flipY),e.generateMipmaps!==void 0&&(t.generateMipmaps=e.generateMipmaps),e.mipmapsAutoUpdate!==void 0&&(t.mipmapsAutoUpdate=e.mipmapsAutoUpdate),e.internalFormat!==void 0&&(t.internalFormat=e.internalFormat);for(let n=0;n<this.textures.length;n++)this.textures[n].setValues(t)}get texture(){return this.textures[0]}set texture(e){this.textures[0]=e}set depthTexture(e){this._depthTexture!==null&&this._depthTexture.renderTarget===this&&(this._depthTexture.renderTarget=null),e!==null&&e.renderTarget===null&&(e.renderTarget=this),this._depthTexture=e}get depthTexture(){return this._depthTexture}setSize(e,t,n=1){if(this.width!==e||this.height!==t||this.depth!==n){this.width=e,this.height=t,this.depth=n;for(let s=0,r=this.textures.length;s<r;s++)this.textures[s].image.width=e,this.textures[s].image.height=t,this.textures[s].image.depth=n,this.textures[s].isData3DTexture!==!0&&(this.textures[s].isArrayTexture=this.textures[s].image.depth>1);this.dispose()}this.viewport.set(0,0,e,t),this.scissor.set(0,0,e,t)}clone(){return new this.constructor().copy(this)}copy(e){this.width=e.width,this.height=e.height,this.depth=e.depth,this.scissor.copy(e.scissor),this.scissorTest=e.scissorTest,this.viewport.copy(e.viewport),this.textures.length=0;for(let t=0,n=e.textures.length;t<n;t++){this.textures[t]=e.textures[t].clone(),this.textures[t].isRenderTargetTexture=!0,this.textures[t].renderTarget=this;let s=Object.assign({},e.textures[t].image);this.textures[t].source=new Do(s)}if(this.depthBuffer=e.depthBuffer,this.stencilBuffer=e.stencilBuffer,this.resolveColorBuffer=e.resolveColorBuffer,this.resolveDepthBuffer=e.resolveDepthBuffer,this.resolveStencilBuffer=e.resolveStencilBuffer,this.storeMultisampledColorBuffer=e.storeMultisampledColorBuffer,this.storeMultisampledDepthBuffer=e.storeMultisampledDepthBuffer,this.storeMultisampledStencilBuffer=e.storeMultisampledStencilBuffer,e.depthTexture!==null)if(e.depthTexture.renderTarget===e){let t=e.depthTexture.clone();t.renderTarget=null,this.depthTexture=t}else this.depthTexture=e.depthTexture;else this.depthTexture=null;return this.samples=e.samples,this.multiview=e.multiview,this.useArrayDepthTexture=e.useArrayDepthTexture,this}dispose(){this.dispatchEvent({type:"dispose"})}},Ai=class extends Cc{constructor(e=1,t=1,n={}){super(e,t,n),this.isWebGLRenderTarget=!0}},Ia=class extends li{constructor(e=null,t=1,n=1,s=1){super(null),this.isDataArrayTexture=!0,this.image={data:e,width:t,height:n,depth:s},this.magFilter=kn,this.minFilter=kn,this.wrapR=fs,this.generateMipmaps=!1,this.flipY=!1,this.unpackAlignment=1,this.layerUpdates=new Set}copy(e){return super.copy(e),this.wrapR=e.wrapR,this}addLayerUpdate(e){this.layerUpdates.add(e)}clearLayerUpdates(){this.layerUpdates.clear()}};var Rc=class extends li{constructor(e=null,t=1,n=1,s=1){super(null),this.isData3DTexture=!0,this.image={data:e,width:t,height:n,depth:s},this.magFilter=kn,this.minFilter=kn,this.wrapR=fs,this.generateMipmaps=!1,this.flipY=!1,this.unpackAlignment=1}copy(e){return super.copy(e),this.wrapR=e.wrapR,this}};var Xt=class i{static{this.prototype.isMatrix4=!0}constructor(e,t,n,s,r,o,a,l,c,h,u,f,p,g,x,m){this.elements=[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1],e!==void 0&&this.set(e,t,n,s,r,o,a,l,c,h,u,f,p,g,x,m)}set(e,t,n,s,r,o,a,l,c,h,u,f,p,g,x,m){let d=this.elements;return d[0]=e,d[4]=t,d[8]=n,d[12]=s,d[1]=r,d[5]=o,d[9]=a,d[13]=l,d[2]=c,d[6]=h,d[10]=u,d[14]=f,d[3]=p,d[7]=g,d[11]=x,d[15]=m,this}identity(){return this.set(1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1),this}clone(){return new i().fromArray(this.elements)}copy(e){let t=this.elements,n=e.elements;return t[0]=n[0],t[1]=n[1],t[2]=n[2],t[3]=n[3],t[4]=n[4],t[5]=n[5],t[6]=n[6],t[7]=n[7],t[8]=n[8],t[9]=n[9],t[10]=n[10],t[11]=n[11],t[12]=n[12],t[13]=n[13],t[14]=n[14],t[15]=n[15],this}copyPosition(e){let t=this.elements,n=e.elements;return t[12]=n[12],t[13]=n[13],t[14]=n[14],this}setFromMatrix3(e){let t=e.elements;return this.set(t[0],t[3],t[6],0,t[1],t[4],t[7],0,t[2],t[5],t[8],0,0,0,0,1),this}extractBasis(e,t,n){return this.determinantAffine()===0?(e.set(1,0,0),t.set(0,1,0),n.set(0,0,1),this):(e.setFromMatrixColumn(this,0),t.setFromMatrixColumn(this,1),n.setFromMatrixColumn(this,2),this)}makeBasis(e,t,n){return this.set(e.x,t.x,n.x,0,e.y,t.y,n.y,0,e.z,t.z,n.z,0,0,0,0,1),this}extractRotation(e){if(e.determinantAffine()===0)return this.identity();let t=this.elements,n=e.elements,s=1/mo.setFromMatrixColumn(e,0).length(),r=1/mo.setFromMatrixColumn(e,1).length(),o=1/mo.setFromMatrixColumn(e,2).length();return t[0]=n[0]*s,t[1]=n[1]*s,t[2]=n[2]*s,t[3]=0,t[4]=n[4]*r,t[5]=n[5]*r,t[6]=n[6]*r,t[7]=0,t[8]=n[8]*o,t[9]=n[9]*o,t[10]=n[10]*o,t[11]=0,t[12]=0,t[13]=0,t[14]=0,t[15]=1,this}makeRotationFromEuler(e){let t=this.elements,n=e.x,s=e.y,r=e.z,o=Math.cos(n),a=Math.sin(n),l=Math.cos(s),c=Math.sin(s),h=Math.cos(r),u=Math.sin(r);if(e.order==="XYZ"){let f=o*h,p=o*u,g=a*h,x=a*u;t[0]=l*h,t[4]=-l*u,t[8]=c,t[1]=p+g*c,t[5]=f-x*c,t[9]=-a*l,t[2]=x-f*c,t[6]=g+p*c,t[10]=o*l}else if(e.order==="YXZ"){let f=l*h,p=l*u,g=c*h,x=c*u;t[0]=f+x*a,t[4]=g*a-p,t[8]=o*c,t[1]=o*u,t[5]=o*h,t[9]=-a,t[2]=p*a-g,t[6]=x+f*a,t[10]=o*l}else if(e.order==="ZXY"){let f=l*h,p=l*u,g=c*h,x=c*u;t[0]=f-x*a,t[4]=-o*u,t[8]=g+p*a,t[1]=p+g*a,t[5]=o*h,t[9]=x-f*a,t[2]=-o*c,t[6]=a,t[10]=o*l}else if(e.order==="ZYX"){let f=o*h,p=o*u,g=a*h,x=a*u;t[0]=l*h,t[4]=g*c-p,t[8]=f*c+x,t[1]=l*u,t[5]=x*c+f,t[9]=p*c-g,t[2]=-c,t[6]=a*l,t[10]=o*l}else if(e.order==="YZX"){let f=o*l,p=o*c,g=a*l,x=a*c;t[0]=l*h,t[4]=x-f*u,t[8]=g*u+p,t[1]=u,t[5]=o*h,t[9]=-a*h,t[2]=-c*h,t[6]=p*u+g,t[10]=f-x*u}else if(e.order==="XZY"){let f=o*l,p=o*c,g=a*l,x=a*c;t[0]=l*h,t[4]=-u,t[8]=c*h,t[1]=f*u+x,t[5]=o*h,t[9]=p*u-g,t[2]=g*u-p,t[6]=a*h,t[10]=x*u+f}return t[3]=0,t[7]=0,t[11]=0,t[12]=0,t[13]=0,t[14]=0,t[15]=1,this}makeRotationFromQuaternion(e){return this.compose(Cb,e,Rb)}lookAt(e,t,n){let s=this.elements;return Mi.subVectors(e,t),Mi.lengthSq()===0&&(Mi.z=1),Mi.normalize(),Ys.crossVectors(n,Mi),Ys.lengthSq()===0&&(Math.abs(n.z)===1?Mi.x+=1e-4:Mi.z+=1e-4,Mi.normalize(),Ys.crossVectors(n,Mi)),Ys.normalize(),Gl.crossVectors(Mi,Ys),s[0]=Ys.x,s[4]=Gl.x,s[8]=Mi.x,s[1]=Ys.y,s[5]=Gl.y,s[9]=Mi.y,s[2]=Ys.z,s[6]=Gl.z,s[10]=Mi.z,this}multiply(e){return this.multiplyMatrices(this,e)}premultiply(e){return this.multiplyMatrices(e,this)}multiplyMatrices(e,t){let n=e.elements,s=t.elements,r=this.elements,o=n[0],a=n[4],l=n[8],c=n[12],h=n[1],u=n[5],f=n[9],p=n[13],g=n[2],x=n[6],m=n[10],d=n[14],_=n[3],w=n[7],b=n[11],E=n[15],S=s[0],y=s[4],M=s[8],I=s[12],R=s[1],P=s[5],O=s[9],V=s[13],L=s[2],B=s[6],X=s[10],G=s[14],ae=s[3],Z=s[7],j=s[11],ne=s[15];return r[0]=o*S+a*R+l*L+c*ae,r[4]=o*y+a*P+l*B+c*Z,r[8]=o*M+a*O+l*X+c*j,r[12]=o*I+a*V+l*G+c*ne,r[1]=h*S+u*R+f*L+p*ae,r[5]=h*y+u*P+f*B+p*Z,r[9]=h*M+u*O+f*X+p*j,r[13]=h*I+u*V+f*G+p*ne,r[2]=g*S+x*R+m*L+d*ae,r[6]=g*y+x*P+m*B+d*Z,r[10]=g*M+x*O+m*X+d*j,r[14]=g*I+x*V+m*G+d*ne,r[3]=_*S+w*R+b*L+E*ae,r[7]=_*y+w*P+b*B+E*Z,r[11]=_*M+w*O+b*X+E*j,r[15]=_*I+w*V+b*G+E*ne,this}multiplyScalar(e){let t=this.elements;return t[0]*=e,t[4]*=e,t[8]*=e,t[12]*=e,t[1]*=e,t[5]*=e,t[9]*=e,t[13]*=e,t[2]*=e,t[6]*=e,t[10]*=e,t[14]*=e,t[3]*=e,t[7]*=e,t[11]*=e,t[15]*=e,this}determinant(){let e=this.elements,t=e[0],n=e[4],s=e[8],r=e[12],o=e[1],a=e[5],l=e[9],c=e[13],h=e[2],u=e[6],f=e[10],p=e[14],g=e[3],x=e[7],m=e[11],d=e[15],_=l*p-c*f,w=a*p-c*u,b=a*f-l*u,E=o*p-c*h,S=o*f-l*h,y=o*u-a*h;return t*(x*_-m*w+d*b)-n*(g*_-m*E+d*S)+s*(g*w-x*E+d*y)-r*(g*b-x*S+m*y)}determinantAffine(){let e=this.elements,t=e[0],n=e[4],s=e[8],r=e[1],o=e[5],a=e[9],l=e[2],c=e[6],h=e[10];return t*(o*h-a*c)-n*(r*h-a*l)+s*(r*c-o*l)}transpose(){let e=this.elements,t;return t=e[1],e[1]=e[4],e[4]=t,t=e[2],e[2]=e[8],e[8]=t,t=e[6],e[6]=e[9],e[9]=t,t=e[3],e[3]=e[12],e[12]=t,t=e[7],e[7]=e[13],e[13]=t,t=e[11],e[11]=e[14],e[14]=t,this}setPosition(e,t,n){let s=this.elements;return e.isVector3?(s[12]=e.x,s[13]=e.y,s[14]=e.z):(s[12]=e,s[13]=t,s[14]=n),this}invert(){let e=this.elements,t=e[0],n=e[1],s=e[2],r=e[3],o=e[4],a=e[5],l=e[6],c=e[7],h=e[8],u=e[9],f=e[10],p=e[11],g=e[12],x=e[13],m=e[14],d=e[15],_=t*a-n*o,w=t*l-s*o,b=t*c-r*o,E=n*l-s*a,S=n*c-r*a,y=s*c-r*l,M=h*x-u*g,I=h*m-f*g,R=h*d-p*g,P=u*m-f*x,O=u*d-p*x,V=f*d-p*m,L=_*V-w*O+b*P+E*R-S*I+y*M;if(L===0)return this.set(0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0);let B=1/L;return e[0]=(a*V-l*O+c*P)*B,e[1]=(s*O-n*V-r*P)*B,e[2]=(x*y-m*S+d*E)*B,e[3]=(f*S-u*y-p*E)*B,e[4]=(l*R-o*V-c*I)*B,e[5]=(t*V-s*R+r*I)*B,e[6]=(m*b-g*y-d*w)*B,e[7]=(h*y-f*b+p*w)*B,e[8]=(o*O-a*R+c*M)*B,e[9]=(n*R-t*O-r*M)*B,e[10]=(g*S-x*b+d*_)*B,e[11]=(u*b-h*S-p*_)*B,e[12]=(a*I-o*P-l*M)*B,e[13]=(t*P-n*I+s*M)*B,e[14]=(x*w-g*E-m*_)*B,e[15]=(h*E-u*w+f*_)*B,this}scale(e){let t=this.elements,n=e.x,s=e.y,r=e.z;return t[0]*=n,t[4]*=s,t[8]*=r,t[1]*=n,t[5]*=s,t[9]*=r,t[2]*=n,t[6]*=s,t[10]*=r,t[3]*=n,t[7]*=s,t[11]*=r,this}getMaxScaleOnAxis(){let e=this.elements,t=e[0]*e[0]+e[1]*e[1]+e[2]*e[2],n=e[4]*e[4]+e[5]*e[5]+e[6]*e[6],s=e[8]*e[8]+e[9]*e[9]+e[10]*e[10];return Math.sqrt(Math.max(t,n,s))}makeTranslation(e,t,n){return e.isVector3?this.set(1,0,0,e.x,0,1,0,e.y,0,0,1,e.z,0,0,0,1):this.set(1,0,0,e,0,1,0,t,0,0,1,n,0,0,0,1),this}makeRotationX(e){let t=Math.cos(e),n=Math.sin(e);return this.set(1,0,0,0,0,t,-n,0,0,n,t,0,0,0,0,1),this}makeRotationY(e){let t=Math.cos(e),n=Math.sin(e);return this.set(t,0,n,0,0,1,0,0,-n,0,t,0,0,0,0,1),this}makeRotationZ(e){let t=Math.cos(e),n=Math.sin(e);return this.set(t,-n,0,0,n,t,0,0,0,0,1,0,0,0,0,1),this}makeRotationAxis(e,t){let n=Math.cos(t),s=Math.sin(t),r=1-n,o=e.x,a=e.y,l=e.z,c=r*o,h=r*a;return this.set(c*o+n,c*a-s*l,c*l+s*a,0,c*a+s*l,h*a+n,h*l-s*o,0,c*l-s*a,h*l+s*o,r*l*l+n,0,0,0,0,1),this}makeScale(e,t,n){return this.set(e,0,0,0,0,t,0,0,0,0,n,0,0,0,0,1),this}makeShear(e,t,n,s,r,o){return this.set(1,n,r,0,e,1,o,0,t,s,1,0,0,0,0,1),this}compose(e,t,n){let s=this.elements,r=t._x,o=t._y,a=t._z,l=t._w,c=r+r,h=o+o,u=a+a,f=r*c,p=r*h,g=r*u,x=o*h,m=o*u,d=a*u,_=l*c,w=l*h,b=l*u,E=n.x,S=n.y,y=n.z;return s[0]=(1-(x+d))*E,s[1]=(p+b)*E,s[2]=(g-w)*E,s[3]=0,s[4]=(p-b)*S,s[5]=(1-(f+d))*S,s[6]=(m+_)*S,s[7]=0,s[8]=(g+w)*y,s[9]=(m-_)*y,s[10]=(1-(f+x))*y,s[11]=0,s[12]=e.x,s[13]=e.y,s[14]=e.z,s[15]=1,this}decompose(e,t,n){let s=this.elements;e.x=s[12],e.y=s[13],e.z=s[14];let r=this.determinantAffine();if(r===0)return n.set(1,1,1),t.identity(),this;let o=mo.set(s[0],s[1],s[2]).length(),a=mo.set(s[4],s[5],s[6]).length(),l=mo.set(s[8],s[9],s[10]).length();r<0&&(o=-o),qi.copy(this);let c=1/o,h=1/a,u=1/l;return qi.elements[0]*=c,qi.elements[1]*=c,qi.elements[2]*=c,qi.elements[4]*=h,qi.elements[5]*=h,qi.elements[6]*=h,qi.elements[8]*=u,qi.elements[9]*=u,qi.elements[10]*=u,t.setFromRotationMatrix(qi),n.x=o,n.y=a,n.z=l,this}makePerspective(e,t,n,s,r,o,a=Ui,l=!1){let c=this.elements,h=2*r/(t-e),u=2*r/(n-s),f=(t+e)/(t-e),p=(n+s)/(n-s),g,x;if(l)g=r/(o-r),x=o*r/(o-r);else if(a===Ui)g=-(o+r)/(o-r),x=-2*o*r/(o-r);else if(a===Io)g=-o/(o-r),x=-o*r/(o-r);else throw new Error("THREE.Matrix4.makePerspective(): Invalid coordinate system: "+a);return c[0]=h,c[4]=0,c[8]=f,c[12]=0,c[1]=0,c[5]=u,c[9]=p,c[13]=0,c[2]=0,c[6]=0,c[10]=g,c[14]=x,c[3]=0,c[7]=0,c[11]=-1,c[15]=0,this}makeOrthographic(e,t,n,s,r,o,a=Ui,l=!1){let c=this.elements,h=2/(t-e),u=2/(n-s),f=-(t+e)/(t-e),p=-(n+s)/(n-s),g,x;if(l)g=1/(o-r),x=o/(o-r);else if(a===Ui)g=-2/(o-r),x=-(o+r)/(o-r);else if(a===Io)g=-1/(o-r),x=-r/(o-r);else throw new Error("THREE.Matrix4.makeOrthographic(): Invalid coordinate system: "+a);return c[0]=h,c[4]=0,c[8]=0,c[12]=f,c[1]=0,c[5]=u,c[9]=0,c[13]=p,c[2]=0,c[6]=0,c[10]=g,c[14]=x,c[3]=0,c[7]=0,c[11]=0,c[15]=1,this}equals(e){let t=this.elements,n=e.elements;for(let s=0;s<16;s++)if(t[s]!==n[s])return!1;return!0}fromArray(e,t=0){for(let n=0;n<16;n++)this.elements[n]=e[n+t];return this}toArray(e=[],t=0){let n=this.elements;return e[t]=n[0],e[t+1]=n[1],e[t+2]=n[2],e[t+3]=n[3],e[t+4]=n[4],e[t+5]=n[5],e[t+6]=n[6],e[t+7]=n[7],e[t+8]=n[8],e[t+9]=n[9],e[t+10]=n[10],e[t+11]=n[11],e[t+12]=n[12],e[t+13]=n[13],e[t+14]=n[14],e[t+15]=n[15],e}},mo=new F,qi=new Xt,Cb=new F(0,0,0),Rb=new F(1,1,1),Ys=new F,Gl=new F,Mi=new F,ug=new Xt,fg=new un,Ds=class i{constructor(e=0,t=0,n=0,s=i.DEFAULT_ORDER){this.isEuler=!0,this._x=e,this._y=t,this._z=n,this._order=s}get x(){return this._x}set x(e){this._x=e,this._onChangeCallback()}get y(){return this._y}set y(e){this._y=e,this._onChangeCallback()}get z(){return this._z}set z(e){this._z=e,this._onChangeCallback()}get order(){return this._order}set order(e){this._order=e,this._onChangeCallback()}set(e,t,n,s=this._order){return this._x=e,this._y=t,this._z=n,this._order=s,this._onChangeCallback(),this}clone(){return new this.constructor(this._x,this._y,this._z,this._order)}copy(e){return this._x=e._x,this._y=e._y,this._z=e._z,this._order=e._order,this._onChangeCallback(),this}setFromRotationMatrix(e,t=this._order,n=!0){let s=e.elements,r=s[0],o=s[4],a=s[8],l=s[1],c=s[5],h=s[9],u=s[2],f=s[6],p=s[10];switch(t){case"XYZ":this._y=Math.asin(mt(a,-1,1)),Math.abs(a)<.9999999?(this._x=Math.atan2(-h,p),this._z=Math.atan2(-o,r)):(this._x=Math.atan2(f,c),this._z=0);break;case"YXZ":this._x=Math.asin(-mt(h,-1,1)),Math.abs(h)<.9999999?(this._y=Math.atan2(a,p),this._z=Math.atan2(l,c)):(this._y=Math.atan2(-u,r),this._z=0);break;case"ZXY":this._x=Math.asin(mt(f,-1,1)),Math.abs(f)<.9999999?(this._y=Math.atan2(-u,p),this._z=Math.atan2(-o,c)):(this._y=0,this._z=Math.atan2(l,r));break;case"ZYX":this._y=Math.asin(-mt(u,-1,1)),Math.abs(u)<.9999999?(this._x=Math.atan2(f,p),this._z=Math.atan2(l,r)):(this._x=0,this._z=Math.atan2(-o,c));break;case"YZX":this._z=Math.asin(mt(l,-1,1)),Math.abs(l)<.9999999?(this._x=Math.atan2(-h,c),this._y=Math.atan2(-u,r)):(this._x=0,this._y=Math.atan2(a,p));break;case"XZY":this._z=Math.asin(-mt(o,-1,1)),Math.abs(o)<.9999999?(this._x=Math.atan2(f,c),this._y=Math.atan2(a,r)):(this._x=Math.atan2(-h,p),this._y=0);break;default:Ye("Euler: .setFromRotationMatrix() encountered an unknown order: "+t)}return this._order=t,n===!0&&this._onChangeCallback(),this}setFromQuaternion(e,t,n){return ug.makeRotationFromQuaternion(e),this.setFromRotationMatrix(ug,t,n)}setFromVector3(e,t=this._order){return this.set(e.x,e.y,e.z,t)}reorder(e){return fg.setFromEuler(this),this.setFromQuaternion(fg,e)}equals(e){return e._x===this._x&&e._y===this._y&&e._z===this._z&&e._order===this._order}fromArray(e){return this._x=e[0],this._y=e[1],this._z=e[2],e[3]!==void 0&&(this._order=e[3]),this._onChangeCallback(),this}toArray(e=[],t=0){return e[t]=this._x,e[t+1]=this._y,e[t+2]=this._z,e[t+3]=this._order,e}_onChange(e){return this._onChangeCallback=e,this}_onChangeCallback(){}*[Symbol.iterator](){yield this._x,yield this._y,yield this._z,yield this._order}};Ds.DEFAULT_ORDER="XYZ";var No=class{constructor(){this.mask=1}set(e){this.mask=(1<<e|0)>>>0}enable(e){this.mask|=1<<e|0}enableAll(){this.mask=-1}toggle(e){this.mask^=1<<e|0}disable(e){this.mask&=~(1<<e|0)}disableAll(){this.mask=0}test(e){return(this.mask&e.mask)!==0}isEnabled(e){return(this.mask&(1<<e|0))!==0}},Ib=0,dg=new F,go=new un,As=new Xt,Wl=new F,xa=new F,Pb=new F,Lb=new un,pg=new F(1,0,0),mg=new F(0,1,0),gg=new F(0,0,1),_g={type:"added"},Db={type:"removed"},_o={type:"childadded",child:null},hf={type:"childremoved",child:null},Hn=class i extends Ki{constructor(){super(),this.isObject3D=!0,Object.defineProperty(this,"id",{value:Ib++}),this.uuid=Wo(),this.name="",this.type="Object3D",this.parent=null,this.children=[],this.up=i.DEFAULT_UP.clone();let e=new F,t=new Ds,n=new un,s=new F(1,1,1);function r(){n.setFromEuler(t,!1)}function o(){t.setFromQuaternion(n,void 0,!1)}t._onChange(r),n._onChange(o),Object.defineProperties(this,{position:{configurable:!0,enumerable:!0,value:e},rotation:{configurable:!0,enumerable:!0,value:t},quaternion:{configurable:!0,enumerable:!0,value:n},scale:{configurable:!0,enumerable:!0,value:s},modelViewMatrix:{value:new Xt},normalMatrix:{value:new nt}}),this.matrix=new Xt,this.matrixWorld=new Xt,this.matrixAutoUpdate=i.DEFAULT_MATRIX_AUTO_UPDATE,this.matrixWorldAutoUpdate=i.DEFAULT_MATRIX_WORLD_AUTO_UPDATE,this.matrixWorldNeedsUpdate=!1,this.layers=new No,this.visible=!0,this.castShadow=!1,this.receiveShadow=!1,this.frustumCulled=!0,this.renderOrder=0,this.animations=[],this.customDepthMaterial=void 0,this.customDistanceMaterial=void 0,this.static=!1,this.userData={},this.pivot=null}onBeforeShadow(){}onAfterShadow(){}onBeforeRender(){}onAfterRender(){}applyMatrix4(e){this.matrixAutoUpdate&&this.updateMatrix(),this.matrix.premultiply(e),this.matrix.decompose(this.position,this.quaternion,this.scale),this.pivot!==null&&this.position.copy(this.pivot).applyMatrix4(this.matrix).sub(this.pivot)}applyQuaternion(e){return this.quaternion.premultiply(e),this}setRotationFromAxisAngle(e,t){this.quaternion.setFromAxisAngle(e,t)}setRotationFromEuler(e){this.quaternion.setFromEuler(e,!0)}setRotationFromMatrix(e){this.quaternion.setFromRotationMatrix(e)}setRotationFromQuaternion(e){this.quaternion.copy(e)}rotateOnAxis(e,t){return go.setFromAxisAngle(e,t),this.quaternion.multiply(go),this}rotateOnWorldAxis(e,t){return go.setFromAxisAngle(e,t),this.quaternion.premultiply(go),this}rotateX(e){return this.rotateOnAxis(pg,e)}rotateY(e){return this.rotateOnAxis(mg,e)}rotateZ(e){return this.rotateOnAxis(gg,e)}translateOnAxis(e,t){return dg.copy(e).applyQuaternion(this.quaternion),this.position.add(dg.multiplyScalar(t)),this}translateX(e){return this.translateOnAxis(pg,e)}translateY(e){return this.translateOnAxis(mg,e)}translateZ(e){return this.translateOnAxis(gg,e)}localToWorld(e){return this.updateWorldMatrix(!0,!1),e.applyMatrix4(this.matrixWorld)}worldToLocal(e){return this.updateWorldMatrix(!0,!1),e.applyMatrix4(As.copy(this.matrixWorld).invert())}lookAt(e,t,n){e.isVector3?Wl.copy(e):Wl.set(e,t,n);let s=this.parent;this.updateWorldMatrix(!0,!1),xa.setFromMatrixPosition(this.matrixWorld),this.isCamera||this.isLight?As.lookAt(xa,Wl,this.up):As.lookAt(Wl,xa,this.up),this.quaternion.setFromRotationMatrix(As),s&&(As.extractRotation(s.matrixWorld),go.setFromRotationMatrix(As),this.quaternion.premultiply(go.invert()))}add(e){if(arguments.length>1){for(let t=0;t<arguments.length;t++)this.add(arguments[t]);return this}return e===this?(et("Object3D.add: object can't be added as a child of itself.",e),this):(e&&e.isObject3D?(e.removeFromParent(),e.parent=this,this.children.push(e),e.dispatchEvent(_g),_o.child=e,this.dispatchEvent(_o),_o.child=null):et("Object3D.add: object not an instance of THREE.Object3D.",e),this)}remove(e){if(arguments.length>1){for(let n=0;n<arguments.length;n++)this.remove(arguments[n]);return this}let t=this.children.indexOf(e);return t!==-1&&(e.parent=null,this.children.splice(t,1),e.dispatchEvent(Db),hf.child=e,this.dispatchEvent(hf),hf.child=null),this}removeFromParent(){let e=this.parent;return e!==null&&e.remove(this),this}clear(){return this.remove(...this.children)}attach(e){return this.updateWorldMatrix(!0,!1),As.copy(this.matrixWorld).invert(),e.parent!==null&&(e.parent.updateWorldMatrix(!0,!1),As.multiply(e.parent.matrixWorld)),e.applyMatrix4(As),e.removeFromParent(),e.parent=this,this.children.push(e),e.updateWorldMatrix(!1,!0),e.dispatchEvent(_g),_o.child=e,this.dispatchEvent(_o),_o.child=null,this}getObjectById(e){return this.getObjectByProperty("id",e)}getObjectByName(e){return this.getObjectByProperty("name",e)}getObjectByProperty(e,t){if(this[e]===t)return this;for(let n=0,s=this.children.length;n<s;n++){let o=this.children[n].getObjectByProperty(e,t);if(o!==void 0)return o}}getObjectsByProperty(e,t,n=[]){this[e]===t&&n.push(this);let s=this.children;for(let r=0,o=s.length;r<o;r++)s[r].getObjectsByProperty(e,t,n);return n}getWorldPosition(e){return this.updateWorldMatrix(!0,!1),e.setFromMatrixPosition(this.matrixWorld)}getWorldQuaternion(e){return this.updateWorldMatrix(!0,!1),this.matrixWorld.decompose(xa,e,Pb),e}getWorldScale(e){return this.updateWorldMatrix(!0,!1),this.matrixWorld.decompose(xa,Lb,e),e}getWorldDirection(e){this.updateWorldMatrix(!0,!1);let t=this.matrixWorld.elements;return e.set(t[8],t[9],t[10]).normalize()}raycast(){}intersectsFrustum(){return!0}traverse(e){e(this);let t=this.children;for(let n=0,s=t.length;n<s;n++)t[n].traverse(e)}traverseVisible(e){if(this.visible===!1)return;e(this);let t=this.children;for(let n=0,s=t.length;n<s;n++)t[n].traverseVisible(e)}traverseAncestors(e){let t=this.parent;t!==null&&(e(t),t.traverseAncestors(e))}updateMatrix(){this.matrix.compose(this.position,this.quaternion,this.scale);let e=this.pivot;if(e!==null){let t=e.x,n=e.y,s=e.z,r=this.matrix.elements;r[12]+=t-r[0]*t-r[4]*n-r[8]*s,r[13]+=n-r[1]*t-r[5]*n-r[9]*s,r[14]+=s-r[2]*t-r[6]*n-r[10]*s}this.matrixWorldNeedsUpdate=!0}updateMatrixWorld(e){this.matrixAutoUpdate&&this.updateMatrix(),(this.matrixWorldNeedsUpdate||e)&&(this.matrixWorldAutoUpdate===!0&&(this.parent===null?this.matrixWorld.copy(this.matrix):this.matrixWorld.multiplyMatrices(this.parent.matrixWorld,this.matrix)),this.matrixWorldNeedsUpdate=!1,e=!0);let t=this.children;for(let n=0,s=t.length;n<s;n++)t[n].updateMatrixWorld(e)}updateWorldMatrix(e,t,n=!1){let s=this.parent;if(e===!0&&s!==null&&s.updateWorldMatrix(!0,!1),this.matrixAutoUpdate&&this.updateMatrix(),(this.matrixWorldNeedsUpdate||n)&&(this.matrixWorldAutoUpdate===!0&&(this.parent===null?this.matrixWorld.copy(this.matrix):this.matrixWorld.multiplyMatrices(this.parent.matrixWorld,this.matrix)),this.matrixWorldNeedsUpdate=!1,n=!0),t===!0){let r=this.children;for(let o=0,a=r.length;o<a;o++)r[o].updateWorldMatrix(!1,!0,n)}}toJSON(e){let t=e===void 0||typeof e=="string",n={};t&&(e={geometries:{},materials:{},textures:{},images:{},shapes:{},skeletons:{},animations:{},nodes:{}},n.metadata={version:4.7,type:"Object",generator:"Object3D.toJSON"});let s={};s.uuid=this.uuid,s.type=this.type,s.name=this.name,s.castShadow=this.castShadow,s.receiveShadow=this.receiveShadow,s.visible=this.visible,s.frustumCulled=this.frustumCulled,s.renderOrder=this.renderOrder,s.static=this.static,s.matrixAutoUpdate=this.matrixAutoUpdate,Object.keys(this.userData).length>0&&(s.userData=this.userData),s.layers=this.layers.mask,s.matrix=this.matrix.toArray(),s.up=this.up.toArray(),this.pivot!==null&&(s.pivot=this.pivot.toArray()),this.morphTargetDictionary!==void 0&&(s.morphTargetDictionary=Object.assign({},this.morphTargetDictionary)),this.morphTargetInfluences!==void 0&&(s.morphTargetInfluences=this.morphTargetInfluences.slice()),this.isInstancedMesh&&(s.type="InstancedMesh",s.count=this.count,s.instanceMatrix=this.instanceMatrix.toJSON(),this.instanceColor!==null&&(s.instanceColor=this.instanceColor.toJSON())),this.isBatchedMesh&&(s.type="BatchedMesh",s.perObjectFrustumCulled=this.perObjectFrustumCulled,s.sortObjects=this.sortObjects,s.drawRanges=this._drawRanges,s.reservedRanges=this._reservedRanges,s.geometryInfo=this._geometryInfo.map(a=>({...a,boundingBox:a.boundingBox?a.boundingBox.toJSON():void 0,boundingSphere:a.boundingSphere?a.boundingSphere.toJSON():void 0})),s.instanceInfo=this._instanceInfo.map(a=>({...a})),s.availableInstanceIds=this._availableInstanceIds.slice(),s.availableGeometryIds=this._availableGeometryIds.slice(),s.nextIndexStart=this._nextIndexStart,s.nextVertexStart=this._nextVertexStart,s.geometryCount=this._geometryCount,s.maxInstanceCount=this._maxInstanceCount,s.maxVertexCount=this._maxVertexCount,s.maxIndexCount=this._maxIndexCount,s.geometryInitialized=this._geometryInitialized,s.matricesTexture=this._matricesTexture.toJSON(e),s.indirectTexture=this._indirectTexture.toJSON(e),this._colorsTexture!==null&&(s.colorsTexture=this._colorsTexture.toJSON(e)),this.boundingSphere!==null&&(s.boundingSphere=this.boundingSphere.toJSON()),this.boundingBox!==null&&(s.boundingBox=this.boundingBox.toJSON()));function r(a,l){return a[l.uuid]===void 0&&(a[l.uuid]=l.toJSON(e)),l.uuid}if(this.isScene)this.background&&(this.background.isColor?s.background=this.background.toJSON():this.background.isTexture&&(s.background=this.background.toJSON(e).uuid)),this.environment&&this.environment.isTexture&&this.environment.isRenderTargetTexture!==!0&&(s.environment=this.environment.toJSON(e).uuid);else if(this.isMesh||this.isLine||this.isPoints){s.geometry=r(e.geometries,this.geometry);let a=this.geometry.parameters;if(a!==void 0&&a.shapes!==void 0){let l=a.shapes;if(Array.isArray(l))for(let c=0,h=l.length;c<h;c++){let u=l[c];r(e.shapes,u)}else r(e.shapes,l)}}if(this.isSkinnedMesh&&(s.bindMode=this.bindMode,s.bindMatrix=this.bindMatrix.toArray(),this.skeleton!==void 0&&(r(e.skeletons,this.skeleton),s.skeleton=this.skeleton.uuid)),this.material!==void 0)if(Array.isArray(this.material)){let a=[];for(let l=0,c=this.material.length;l<c;l++)a.push(r(e.materials,this.material[l]));s.material=a}else s.material=r(e.materials,this.material);if(this.children.length>0){s.children=[];for(let a=0;a<this.children.length;a++)s.children.push(this.children[a].toJSON(e).object)}if(this.animations.length>0){s.animations=[];for(let a=0;a<this.animations.length;a++){let l=this.animations[a];s.animations.push(r(e.animations,l))}}if(t){let a=o(e.geometries),l=o(e.materials),c=o(e.textures),h=o(e.images),u=o(e.shapes),f=o(e.skeletons),p=o(e.animations),g=o(e.nodes);a.length>0&&(n.geometries=a),l.length>0&&(n.materials=l),c.length>0&&(n.textures=c),h.length>0&&(n.images=h),u.length>0&&(n.shapes=u),f.length>0&&(n.skeletons=f),p.length>0&&(n.animations=p),g.length>0&&(n.nodes=g)}return n.object=s,n;function o(a){let l=[];for(let c in a){let h=a[c];delete h.metadata,l.push(h)}return l}}clone(e){return new this.constructor().copy(this,e)}copy(e,t=!0){if(this.name=e.name,this.up.copy(e.up),this.position.copy(e.position),this.rotation.order=e.rotation.order,this.quaternion.copy(e.quaternion),this.scale.copy(e.scale),this.pivot=e.pivot!==null?e.pivot.clone():null,this.matrix.copy(e.matrix),this.matrixWorld.copy(e.matrixWorld),this.matrixAutoUpdate=e.matrixAutoUpdate,this.matrixWorldAutoUpdate=e.matrixWorldAutoUpdate,this.matrixWorldNeedsUpdate=e.matrixWorldNeedsUpdate,this.layers.mask=e.layers.mask,this.visible=e.visible,this.castShadow=e.castShadow,this.receiveShadow=e.receiveShadow,this.frustumCulled=e.frustumCulled,this.renderOrder=e.renderOrder,this.static=e.static,this.animations=e.animations.slice(),this.userData=JSON.parse(JSON.stringify(e.userData)),t===!0)for(let n=0;n<e.children.length;n++){let s=e.children[n];this.add(s.clone())}return this}dispose(){this.dispatchEvent({type:"dispose"})}};Hn.DEFAULT_UP=new F(0,1,0);Hn.DEFAULT_MATRIX_AUTO_UPDATE=!0;Hn.DEFAULT_MATRIX_WORLD_AUTO_UPDATE=!0;var Rt=class extends Hn{constructor(){super(),this.isGroup=!0,this.type="Group"}},Nb={type:"move"},Uo=class{constructor(){this._targetRay=null,this._grip=null,this._hand=null}getHandSpace(){return this._hand===null&&(this._hand=new Rt,this._hand.matrixAutoUpdate=!1,this._hand.visible=!1,this._hand.joints={},this._hand.inputState={pinching:!1}),this._hand}getTargetRaySpace(){return this._targetRay===null&&(this._targetRay=new Rt,this._targetRay.matrixAutoUpdate=!1,this._targetRay.visible=!1,this._targetRay.hasLinearVelocity=!1,this._targetRay.linearVelocity=new F,this._targetRay.hasAngularVelocity=!1,this._targetRay.angularVelocity=new F),this._targetRay}getGripSpace(){return this._grip===null&&(this._grip=new Rt,this._grip.matrixAutoUpdate=!1,this._grip.visible=!1,this._grip.hasLinearVelocity=!1,this._grip.linearVelocity=new F,this._grip.hasAngularVelocity=!1,this._grip.angularVelocity=new F,this._grip.eventsEnabled=!1),this._grip}dispatchEvent(e){return this._targetRay!==null&&this._targetRay.dispatchEvent(e),this._grip!==null&&this._grip.dispatchEvent(e),this._hand!==null&&this._hand.dispatchEvent(e),this}connect(e){if(e&&e.hand){let t=this._hand;if(t)for(let n of e.hand.values())this._getHandJoint(t,n)}return this.dispatchEvent({type:"connected",data:e}),this}disconnect(e){return this.dispatchEvent({type:"disconnected",data:e}),this._targetRay!==null&&(this._targetRay.visible=!1),this._grip!==null&&(this._grip.visible=!1),this._hand!==null&&(this._hand.visible=!1),this}update(e,t,n){let s=null,r=null,o=null,a=this._targetRay,l=this._grip,c=this._hand;if(e&&t.session.visibilityState!=="visible-blurred"){if(c&&e.hand){o=!0;for(let x of e.hand.values()){let m=t.getJointPose(x,n),d=this._getHandJoint(c,x);m!==null&&(d.matrix.fromArray(m.transform.matrix),d.matrix.decompose(d.position,d.quaternion,d.scale),d.matrixWorldNeedsUpdate=!0,d.jointRadius=m.radius),d.visible=m!==null}let h=c.joints["index-finger-tip"],u=c.joints["thumb-tip"],f=h.position.distanceTo(u.position),p=.02,g=.005;c.inputState.pinching&&f>p+g?(c.inputState.pinching=!1,this.dispatchEvent({type:"pinchend",handedness:e.handedness,target:this})):!c.inputState.pinching&&f<=p-g&&(c.inputState.pinching=!0,this.dispatchEvent({type:"pinchstart",handedness:e.handedness,target:this}))}else l!==null&&e.gripSpace&&(r=t.getPose(e.gripSpace,n),r!==null&&(l.matrix.fromArray(r.transform.matrix),l.matrix.decompose(l.position,l.quaternion,l.scale),l.matrixWorldNeedsUpdate=!0,r.linearVelocity?(l.hasLinearVelocity=!0,l.linearVelocity.copy(r.linearVelocity)):l.hasLinearVelocity=!1,r.angularVelocity?(l.hasAngularVelocity=!0,l.angularVelocity.copy(r.angularVelocity)):l.hasAngularVelocity=!1,l.eventsEnabled&&l.dispatchEvent({type:"gripUpdated",data:e,target:this})));a!==null&&(s=t.getPose(e.targetRaySpace,n),s===null&&r!==null&&(s=r),s!==null&&(a.matrix.fromArray(s.transform.matrix),a.matrix.decompose(a.position,a.quaternion,a.scale),a.matrixWorldNeedsUpdate=!0,s.linearVelocity?(a.hasLinearVelocity=!0,a.linearVelocity.copy(s.linearVelocity)):a.hasLinearVelocity=!1,s.angularVelocity?(a.hasAngularVelocity=!0,a.angularVelocity.copy(s.angularVelocity)):a.hasAngularVelocity=!1,this.dispatchEvent(Nb)))}return a!==null&&(a.visible=s!==null),l!==null&&(l.visible=r!==null),c!==null&&(c.visible=o!==null),this}_getHandJoint(e,t){if(e.joints[t.jointName]===void 0){let n=new Rt;n.matrixAutoUpdate=!1,n.visible=!1,e.joints[t.jointName]=n,e.add(n)}return e.joints[t.jointName]}},M0={aliceblue:15792383,antiquewhite:16444375,aqua:65535,aquamarine:8388564,azure:15794175,beige:16119260,bisque:16770244,black:0,blanchedalmond:16772045,blue:255,blueviolet:9055202,brown:10824234,burlywood:14596231,cadetblue:6266528,chartreuse:8388352,chocolate:13789470,coral:16744272,cornflowerblue:6591981,cornsilk:16775388,crimson:14423100,cyan:65535,darkblue:139,darkcyan:35723,darkgoldenrod:12092939,darkgray:11119017,darkgreen:25600,darkgrey:11119017,darkkhaki:12433259,darkmagenta:9109643,darkolivegreen:5597999,darkorange:16747520,darkorchid:10040012,darkred:9109504,darksalmon:15308410,darkseagreen:9419919,darkslateblue:4734347,darkslategray:3100495,darkslategrey:3100495,darkturquoise:52945,darkviolet:9699539,deeppink:16716947,deepskyblue:49151,dimgray:6908265,dimgrey:6908265,dodgerblue:2003199,firebrick:11674146,floralwhite:16775920,forestgreen:2263842,fuchsia:16711935,gainsboro:14474460,ghostwhite:16316671,gold:16766720,goldenrod:14329120,gray:8421504,green:32768,greenyellow:11403055,grey:8421504,honeydew:15794160,hotpink:16738740,indianred:13458524,indigo:4915330,ivory:16777200,khaki:15787660,lavender:15132410,lavenderblush:16773365,lawngreen:8190976,lemonchiffon:16775885,lightblue:11393254,lightcoral:15761536,lightcyan:14745599,lightgoldenrodyellow:16448210,lightgray:13882323,lightgreen:9498256,lightgrey:13882323,lightpink:16758465,lightsalmon:16752762,lightseagreen:2142890,lightskyblue:8900346,lightslategray:7833753,lightslategrey:7833753,lightsteelblue:11584734,lightyellow:16777184,lime:65280,limegreen:3329330,linen:16445670,magenta:16711935,maroon:8388608,mediumaquamarine:6737322,mediumblue:205,mediumorchid:12211667,mediumpurple:9662683,mediumseagreen:3978097,mediumslateblue:8087790,mediumspringgreen:64154,mediumturquoise:4772300,mediumvioletred:13047173,midnightblue:1644912,mintcream:16121850,mistyrose:16770273,moccasin:16770229,navajowhite:16768685,navy:128,oldlace:16643558,olive:8421376,olivedrab:7048739,orange:16753920,orangered:16729344,orchid:14315734,palegoldenrod:15657130,palegreen:10025880,paleturquoise:11529966,palevioletred:14381203,papayawhip:16773077,peachpuff:16767673,peru:13468991,pink:16761035,plum:14524637,powderblue:11591910,purple:8388736,rebeccapurple:6697881,red:16711680,rosybrown:12357519,royalblue:4286945,saddlebrown:9127187,salmon:16416882,sandybrown:16032864,seagreen:3050327,seashell:16774638,sienna:10506797,silver:12632256,skyblue:8900331,slateblue:6970061,slategray:7372944,slategrey:7372944,snow:16775930,springgreen:65407,steelblue:4620980,tan:13808780,teal:32896,thistle:14204888,tomato:16737095,turquoise:4251856,violet:15631086,wheat:16113331,white:16777215,whitesmoke:16119285,yellow:16776960,yellowgreen:10145074},Zs={h:0,s:0,l:0},Xl={h:0,s:0,l:0};function uf(i,e,t){return t<0&&(t+=1),t>1&&(t-=1),t<1/6?i+(e-i)*6*t:t<1/2?e:t<2/3?i+(e-i)*6*(2/3-t):i}var ut=class{constructor(e,t,n){return this.isColor=!0,this.r=1,this.g=1,this.b=1,this.set(e,t,n)}set(e,t,n){if(t===void 0&&n===void 0){let s=e;s&&s.isColor?this.copy(s):typeof s=="number"?this.setHex(s):typeof s=="string"&&this.setStyle(s)}else this.setRGB(e,t,n);return this}setScalar(e){return this.r=e,this.g=e,this.b=e,this}setHex(e,t=wi){return e=Math.floor(e),this.r=(e>>16&255)/255,this.g=(e>>8&255)/255,this.b=(e&255)/255,vt.colorSpaceToWorking(this,t),this}setRGB(e,t,n,s=vt.workingColorSpace){return this.r=e,this.g=t,this.b=n,vt.colorSpaceToWorking(this,s),this}setHSL(e,t,n,s=vt.workingColorSpace){if(e=cd(e,1),t=mt(t,0,1),n=mt(n,0,1),t===0)this.r=this.g=this.b=n;else{let r=n<=.5?n*(1+t):n+t-n*t,o=2*n-r;this.r=uf(o,r,e+1/3),this.g=uf(o,r,e),this.b=uf(o,r,e-1/3)}return vt.colorSpaceToWorking(this,s),this}setStyle(e,t=wi){function n(r){r!==void 0&&parseFloat(r)<1&&Ye("Color: Alpha component of "+e+" will be ignored.")}let s;if(s=/^(\w+)\(([^\)]*)\)/.exec(e)){let r,o=s[1],a=s[2];switch(o){case"rgb":case"rgba":if(r=/^\s*(\d+)\s*,\s*(\d+)\s*,\s*(\d+)\s*(?:,\s*(\d+(?:\.\d+)?|\.\d+)\s*)?$/.exec(a))return n(r[4]),this.setRGB(Math.min(255,parseInt(r[1],10))/255,Math.min(255,parseInt(r[2],10))/255,Math.min(255,parseInt(r[3],10))/255,t);if(r=/^\s*(\d+(?:\.\d+)?|\.\d+)\%\s*,\s*(\d+(?:\.\d+)?|\.\d+)\%\s*,\s*(\d+(?:\.\d+)?|\.\d+)\%\s*(?:,\s*(\d+(?:\.\d+)?|\.\d+)\s*)?$/.exec(a))return n(r[4]),this.setRGB(Math.min(100,parseFloat(r[1]))/100,Math.min(100,parseFloat(r[2]))/100,Math.min(100,parseFloat(r[3]))/100,t);break;case"hsl":case"hsla":if(r=/^\s*([+-]?(?:\d+(?:\.\d+)?|\.\d+))\s*,\s*(\d+(?:\.\d+)?|\.\d+)\%\s*,\s*(\d+(?:\.\d+)?|\.\d+)\%\s*(?:,\s*(\d+(?:\.\d+)?|\.\d+)\s*)?$/.exec(a))return n(r[4]),this.setHSL(parseFloat(r[1])/360,parseFloat(r[2])/100,parseFloat(r[3])/100,t);break;default:Ye("Color: Unknown color model "+e)}}else if(s=/^\#([A-Fa-f\d]+)$/.exec(e)){let r=s[1],o=r.length;if(o===3)return this.setRGB(parseInt(r.charAt(0),16)/15,parseInt(r.charAt(1),16)/15,parseInt(r.charAt(2),16)/15,t);if(o===6)return this.setHex(parseInt(r,16),t);Ye("Color: Invalid hex color "+e)}else if(e&&e.length>0)return this.setColorName(e,t);return this}setColorName(e,t=wi){let n=M0[e.toLowerCase()];return n!==void 0?this.setHex(n,t):Ye("Color: Unknown color "+e),this}clone(){return new this.constructor(this.r,this.g,this.b)}copy(e){return this.r=e.r,this.g=e.g,this.b=e.b,this}copySRGBToLinear(e){return this.r=Ps(e.r),this.g=Ps(e.g),this.b=Ps(e.b),this}copyLinearToSRGB(e){return this.r=Co(e.r),this.g=Co(e.g),this.b=Co(e.b),this}convertSRGBToLinear(){return this.copySRGBToLinear(this),this}convertLinearToSRGB(){return this.copyLinearToSRGB(this),this}getHex(e=wi){return vt.workingToColorSpace(Yn.copy(this),e),Math.round(mt(Yn.r*255,0,255))*65536+Math.round(mt(Yn.g*255,0,255))*256+Math.round(mt(Yn.b*255,0,255))}getHexString(e=wi){return("000000"+this.getHex(e).toString(16)).slice(-6)}getHSL(e,t=vt.workingColorSpace){vt.workingToColorSpace(Yn.copy(this),t);let n=Yn.r,s=Yn.g,r=Yn.b,o=Math.max(n,s,r),a=Math.min(n,s,r),l,c,h=(a+o)/2;if(a===o)l=0,c=0;else{let u=o-a;switch(c=h<=.5?u/(o+a):u/(2-o-a),o){case n:l=(s-r)/u+(s<r?6:0);break;case s:l=(r-n)/u+2;break;case r:l=(n-s)/u+4;break}l/=6}return e.h=l,e.s=c,e.l=h,e}getRGB(e,t=vt.workingColorSpace){return vt.workingToColorSpace(Yn.copy(this),t),e.r=Yn.r,e.g=Yn.g,e.b=Yn.b,e}getStyle(e=wi){vt.workingToColorSpace(Yn.copy(this),e);let t=Yn.r,n=Yn.g,s=Yn.b;return e!==wi?`color(${e} ${t.toFixed(3)} ${n.toFixed(3)} ${s.toFixed(3)})`:`rgb(${Math.round(t*255)},${Math.round(n*255)},${Math.round(s*255)})`}offsetHSL(e,t,n){return this.getHSL(Zs),this.setHSL(Zs.h+e,Zs.s+t,Zs.l+n)}add(e){return this.r+=e.r,this.g+=e.g,this.b+=e.b,this}addColors(e,t){return this.r=e.r+t.r,this.g=e.g+t.g,this.b=e.b+t.b,this}addScalar(e){return this.r+=e,this.g+=e,this.b+=e,this}sub(e){return this.r=Math.max(0,this.r-e.r),this.g=Math.max(0,this.g-e.g),this.b=Math.max(0,this.b-e.b),this}multiply(e){return this.r*=e.r,this.g*=e.g,this.b*=e.b,this}multiplyScalar(e){return this.r*=e,this.g*=e,this.b*=e,this}lerp(e,t){return this.r+=(e.r-this.r)*t,this.g+=(e.g-this.g)*t,this.b+=(e.b-this.b)*t,this}lerpColors(e,t,n){return this.r=e.r+(t.r-e.r)*n,this.g=e.g+(t.g-e.g)*n,this.b=e.b+(t.b-e.b)*n,this}lerpHSL(e,t){this.getHSL(Zs),e.getHSL(Xl);let n=Aa(Zs.h,Xl.h,t),s=Aa(Zs.s,Xl.s,t),r=Aa(Zs.l,Xl.l,t);return this.setHSL(n,s,r),this}setFromVector3(e){return this.r=e.x,this.g=e.y,this.b=e.z,this}applyMatrix3(e){let t=this.r,n=this.g,s=this.b,r=e.elements;return this.r=r[0]*t+r[3]*n+r[6]*s,this.g=r[1]*t+r[4]*n+r[7]*s,this.b=r[2]*t+r[5]*n+r[8]*s,this}equals(e){return e.r===this.r&&e.g===this.g&&e.b===this.b}fromArray(e,t=0){return this.r=e[t],this.g=e[t+1],this.b=e[t+2],this}toArray(e=[],t=0){return e[t]=this.r,e[t+1]=this.g,e[t+2]=this.b,e}fromBufferAttribute(e,t){return this.r=e.getX(t),this.g=e.getY(t),this.b=e.getZ(t),this}toJSON(){return this.getHex()}*[Symbol.iterator](){yield this.r,yield this.g,yield this.b}},Yn=new ut;ut.NAMES=M0;var Pa=class extends Hn{constructor(){super(),this.isScene=!0,this.type="Scene",this.background=null,this.environment=null,this.fog=null,this.backgroundBlurriness=0,this.backgroundIntensity=1,this.backgroundRotation=new Ds,this.environmentIntensity=1,this.environmentRotation=new Ds,this.overrideMaterial=null,typeof __THREE_DEVTOOLS__<"u"&&__THREE_DEVTOOLS__.dispatchEvent(new CustomEvent("observe",{detail:this}))}copy(e,t){return super.copy(e,t),this.background=e.background!==null?e.background.clone():null,this.environment=e.environment!==null?e.environment.clone():null,this.fog=e.fog!==null?e.fog.clone():null,this.backgroundBlurriness=e.backgroundBlurriness,this.backgroundIntensity=e.backgroundIntensity,this.backgroundRotation.copy(e.backgroundRotation),this.environmentIntensity=e.environmentIntensity,this.environmentRotation.copy(e.environmentRotation),this.overrideMaterial=e.overrideMaterial!==null?e.overrideMaterial.clone():null,this.matrixAutoUpdate=e.matrixAutoUpdate,this}toJSON(e){let t=super.toJSON(e);return this.fog!==null&&(t.object.fog=this.fog.toJSON()),t.object.backgroundBlurriness=this.backgroundBlurriness,t.object.backgroundIntensity=this.backgroundIntensity,t.object.backgroundRotation=this.backgroundRotation.toArray(),t.object.environmentIntensity=this.environmentIntensity,t.object.environmentRotation=this.environmentRotation.toArray(),t}},Yi=new F,Es=new F,ff=new F,Ts=new F,yo=new F,xo=new F,yg=new F,df=new F,pf=new F,mf=new F,gf=new en,_f=new en,yf=new en,Is=class i{constructor(e=new F,t=new F,n=new F){this.a=e,this.b=t,this.c=n}static getNormal(e,t,n,s){s.subVectors(n,t),Yi.subVectors(e,t),s.cross(Yi);let r=s.lengthSq();return r>0?s.multiplyScalar(1/Math.sqrt(r)):s.set(0,0,0)}static getBarycoord(e,t,n,s,r){Yi.subVectors(s,t),Es.subVectors(n,t),ff.subVectors(e,t);let o=Yi.dot(Yi),a=Yi.dot(Es),l=Yi.dot(ff),c=Es.dot(Es),h=Es.dot(ff),u=o*c-a*a;if(u===0)return r.set(0,0,0),null;let f=1/u,p=(c*l-a*h)*f,g=(o*h-a*l)*f;return r.set(1-p-g,g,p)}static containsPoint(e,t,n,s){return this.getBarycoord(e,t,n,s,Ts)===null?!1:Ts.x>=0&&Ts.y>=0&&Ts.x+Ts.y<=1}static getInterpolation(e,t,n,s,r,o,a,l){return this.getBarycoord(e,t,n,s,Ts)===null?(l.x=0,l.y=0,"z"in l&&(l.z=0),"w"in l&&(l.w=0),null):(l.setScalar(0),l.addScaledVector(r,Ts.x),l.addScaledVector(o,Ts.y),l.addScaledVector(a,Ts.z),l)}static getInterpolatedAttribute(e,t,n,s,r,o){return gf.setScalar(0),_f.setScalar(0),yf.setScalar(0),gf.fromBufferAttribute(e,t),_f.fromBufferAttribute(e,n),yf.fromBufferAttribute(e,s),o.setScalar(0),o.addScaledVector(gf,r.x),o.addScaledVector(_f,r.y),o.addScaledVector(yf,r.z),o}static isFrontFacing(e,t,n,s){return Yi.subVectors(n,t),Es.subVectors(e,t),Yi.cross(Es).dot(s)<0}set(e,t,n){return this.a.copy(e),this.b.copy(t),this.c.copy(n),this}setFromPointsAndIndices(e,t,n,s){return this.a.copy(e[t]),this.b.copy(e[n]),this.c.copy(e[s]),this}setFromAttributeAndIndices(e,t,n,s){return this.a.fromBufferAttribute(e,t),this.b.fromBufferAttribute(e,n),this.c.fromBufferAttribute(e,s),this}clone(){return new this.constructor().copy(this)}copy(e){return this.a.copy(e.a),this.b.copy(e.b),this.c.copy(e.c),this}getArea(){return Yi.subVectors(this.c,this.b),Es.subVectors(this.a,this.b),Yi.cross(Es).length()*.5}getMidpoint(e){return e.addVectors(this.a,this.b).add(this.c).multiplyScalar(1/3)}getNormal(e){return i.getNormal(this.a,this.b,this.c,e)}getPlane(e){return e.setFromCoplanarPoints(this.a,this.b,this.c)}getBarycoord(e,t){return i.getBarycoord(e,this.a,this.b,this.c,t)}getInterpolation(e,t,n,s,r){return i.getInterpolation(e,this.a,this.b,this.c,t,n,s,r)}containsPoint(e){return i.containsPoint(e,this.a,this.b,this.c)}isFrontFacing(e){return i.isFrontFacing(this.a,this.b,this.c,e)}intersectsBox(e){return e.intersectsTriangle(this)}closestPointToPoint(e,t){let n=this.a,s=this.b,r=this.c,o,a;yo.subVectors(s,n),xo.subVectors(r,n),df.subVectors(e,n);let l=yo.dot(df),c=xo.dot(df);if(l<=0&&c<=0)return t.copy(n);pf.subVectors(e,s);let h=yo.dot(pf),u=xo.dot(pf);if(h>=0&&u<=h)return t.copy(s);let f=l*u-h*c;if(f<=0&&l>=0&&h<=0&&l-h>0)return o=l/(l-h),t.copy(n).addScaledVector(yo,o);mf.subVectors(e,r);let p=yo.dot(mf),g=xo.dot(mf);if(g>=0&&p<=g)return t.copy(r);let x=p*c-l*g;if(x<=0&&c>=0&&g<=0)return a=c/(c-g),t.copy(n).addScaledVector(xo,a);let m=h*g-p*u;if(m<=0&&u-h>=0&&p-g>=0)return yg.subVectors(r,s),a=(u-h)/(u-h+(p-g)),t.copy(s).addScaledVector(yg,a);let d=1/(m+x+f);return o=x*d,a=f*d,t.copy(n).addScaledVector(yo,o).addScaledVector(xo,a)}equals(e){return e.a.equals(this.a)&&e.b.equals(this.b)&&e.c.equals(this.c)}},ds=class{constructor(e=new F(1/0,1/0,1/0),t=new F(-1/0,-1/0,-1/0)){this.isBox3=!0,this.min=e,this.max=t}set(e,t){return this.min.copy(e),this.max.copy(t),this}setFromArray(e){this.makeEmpty();for(let t=0,n=e.length;t<n;t+=3)this.expandByPoint(Zi.fromArray(e,t));return this}setFromBufferAttribute(e){this.makeEmpty();for(let t=0,n=e.count;t<n;t++)this.expandByPoint(Zi.fromBufferAttribute(e,t));return this}setFromPoints(e){this.makeEmpty();for(let t=0,n=e.length;t<n;t++)this.expandByPoint(e[t]);return this}setFromCenterAndSize(e,t){let n=Zi.copy(t).multiplyScalar(.5);return this.min.copy(e).sub(n),this.max.copy(e).add(n),this}setFromObject(e,t=!1){return this.makeEmpty(),this.expandByObject(e,t)}clone(){return new this.constructor().copy(this)}copy(e){return this.min.copy(e.min),this.max.copy(e.max),this}makeEmpty(){return this.min.x=this.min.y=this.min.z=1/0,this.max.x=this.max.y=this.max.z=-1/0,this}isEmpty(){return this.max.x<this.min.x||this.max.y<this.min.y||this.max.z<this.min.z}getCenter(e){return this.isEmpty()?e.set(0,0,0):e.addVectors(this.min,this.max).multiplyScalar(.5)}getSize(e){return this.isEmpty()?e.set(0,0,0):e.subVectors(this.max,this.min)}expandByPoint(e){return this.min.min(e),this.max.max(e),this}expandByVector(e){return this.min.sub(e),this.max.add(e),this}expandByScalar(e){return this.min.addScalar(-e),this.max.addScalar(e),this}expandByObject(e,t=!1){e.updateWorldMatrix(!1,!1);let n=e.geometry;if(n!==void 0){let r=n.getAttribute("position");if(t===!0&&r!==void 0&&e.isInstancedMesh!==!0&&e.isBatchedMesh!==!0)for(let o=0,a=r.count;o<a;o++)e.isMesh===!0?e.getVertexPosition(o,Zi):Zi.fromBufferAttribute(r,o),Zi.applyMatrix4(e.matrixWorld),this.expandByPoint(Zi);else e.boundingBox!==void 0?(e.boundingBox===null&&e.computeBoundingBox(),$l.copy(e.boundingBox)):(n.boundingBox===null&&n.computeBoundingBox(),$l.copy(n.boundingBox)),$l.applyMatrix4(e.matrixWorld),this.union($l)}let s=e.children;for(let r=0,o=s.length;r<o;r++)this.expandByObject(s[r],t);return this}containsPoint(e){return e.x>=this.min.x&&e.x<=this.max.x&&e.y>=this.min.y&&e.y<=this.max.y&&e.z>=this.min.z&&e.z<=this.max.z}containsBox(e){return this.min.x<=e.min.x&&e.max.x<=this.max.x&&this.min.y<=e.min.y&&e.max.y<=this.max.y&&this.min.z<=e.min.z&&e.max.z<=this.max.z}getParameter(e,t){return t.set((e.x-this.min.x)/(this.max.x-this.min.x),(e.y-this.min.y)/(this.max.y-this.min.y),(e.z-this.min.z)/(this.max.z-this.min.z))}intersectsBox(e){return e.max.x>=this.min.x&&e.min.x<=this.max.x&&e.max.y>=this.min.y&&e.min.y<=this.max.y&&e.max.z>=this.min.z&&e.min.z<=this.max.z}intersectsSphere(e){return this.clampPoint(e.center,Zi),Zi.distanceToSquared(e.center)<=e.radius*e.radius}intersectsPlane(e){let t,n;return e.normal.x>0?(t=e.normal.x*this.min.x,n=e.normal.x*this.max.x):(t=e.normal.x*this.max.x,n=e.normal.x*this.min.x),e.normal.y>0?(t+=e.normal.y*this.min.y,n+=e.normal.y*this.max.y):(t+=e.normal.y*this.max.y,n+=e.normal.y*this.min.y),e.normal.z>0?(t+=e.normal.z*this.min.z,n+=e.normal.z*this.max.z):(t+=e.normal.z*this.max.z,n+=e.normal.z*this.min.z),t<=-e.constant&&n>=-e.constant}intersectsTriangle(e){if(this.isEmpty())return!1;this.getCenter(va),ql.subVectors(this.max,va),vo.subVectors(e.a,va),bo.subVectors(e.b,va),Mo.subVectors(e.c,va),Ks.subVectors(bo,vo),Js.subVectors(Mo,bo),Er.subVectors(vo,Mo);let t=[0,-Ks.z,Ks.y,0,-Js.z,Js.y,0,-Er.z,Er.y,Ks.z,0,-Ks.x,Js.z,0,-Js.x,Er.z,0,-Er.x,-Ks.y,Ks.x,0,-Js.y,Js.x,0,-Er.y,Er.x,0];return!xf(t,vo,bo,Mo,ql)||(t=[1,0,0,0,1,0,0,0,1],!xf(t,vo,bo,Mo,ql))?!1:(Yl.crossVectors(Ks,Js),t=[Yl.x,Yl.y,Yl.z],xf(t,vo,bo,Mo,ql))}clampPoint(e,t){return t.copy(e).clamp(this.min,this.max)}distanceToPoint(e){return this.clampPoint(e,Zi).distanceTo(e)}getBoundingSphere(e){return this.isEmpty()?e.makeEmpty():(this.getCenter(e.center),e.radius=this.getSize(Zi).length()*.5),e}intersect(e){return this.min.max(e.min),this.max.min(e.max),this.isEmpty()&&this.makeEmpty(),this}union(e){return this.min.min(e.min),this.max.max(e.max),this}applyMatrix4(e){return this.isEmpty()?this:(Cs[0].set(this.min.x,this.min.y,this.min.z).applyMatrix4(e),Cs[1].set(this.min.x,this.min.y,this.max.z).applyMatrix4(e),Cs[2].set(this.min.x,this.max.y,this.min.z).applyMatrix4(e),Cs[3].set(this.min.x,this.max.y,this.max.z).applyMatrix4(e),Cs[4].set(this.max.x,this.min.y,this.min.z).applyMatrix4(e),Cs[5].set(this.max.x,this.min.y,this.max.z).applyMatrix4(e),Cs[6].set(this.max.x,this.max.y,this.min.z).applyMatrix4(e),Cs[7].set(this.max.x,this.max.y,this.max.z).applyMatrix4(e),this.setFromPoints(Cs),this)}translate(e){return this.min.add(e),this.max.add(e),this}equals(e){return e.min.equals(this.min)&&e.max.equals(this.max)}toJSON(){return{min:this.min.toArray(),max:this.max.toArray()}}fromJSON(e){return this.min.fromArray(e.min),this.max.fromArray(e.max),this}},Cs=[new F,new F,new F,new F,new F,new F,new F,new F],Zi=new F,$l=new ds,vo=new F,bo=new F,Mo=new F,Ks=new F,Js=new F,Er=new F,va=new F,ql=new F,Yl=new F,Tr=new F;function xf(i,e,t,n,s){for(let r=0,o=i.length-3;r<=o;r+=3){Tr.fromArray(i,r);let a=s.x*Math.abs(Tr.x)+s.y*Math.abs(Tr.y)+s.z*Math.abs(Tr.z),l=e.dot(Tr),c=t.dot(Tr),h=n.dot(Tr);if(Math.max(-Math.max(l,c,h),Math.min(l,c,h))>a)return!1}return!0}var An=new F,Zl=new qe,Ub=0,hn=class extends Ki{constructor(e,t,n=!1){if(super(),Array.isArray(e))throw new TypeError("THREE.BufferAttribute: array should be a Typed Array.");this.isBufferAttribute=!0,Object.defineProperty(this,"id",{value:Ub++}),this.name="",this.array=e,this.itemSize=t,this.count=e!==void 0?e.length/t:0,this.normalized=n,this.usage=m0,this.updateRanges=[],this.gpuType=ji,this.version=0,this._normalizationScale=e!==void 0?ud(e):void 0}onUploadCallback(){}set needsUpdate(e){e===!0&&this.version++}setUsage(e){return this.usage=e,this}addUpdateRange(e,t){this.updateRanges.push({start:e,count:t})}clearUpdateRanges(){this.updateRanges.length=0}copy(e){return this.name=e.name,this.array=new e.array.constructor(e.array),this.itemSize=e.itemSize,this.count=e.count,this.normalized=e.normalized,this.usage=e.usage,this.gpuType=e.gpuType,this._normalizationScale=e._normalizationScale,this}copyAt(e,t,n){e*=this.itemSize,n*=t.itemSize;for(let s=0,r=this.itemSize;s<r;s++)this.array[e+s]=t.array[n+s];return this}copyArray(e){return this.array.set(e),this}applyMatrix3(e){if(this.itemSize===2)for(let t=0,n=this.count;t<n;t++)Zl.fromBufferAttribute(this,t),Zl.applyMatrix3(e),this.setXY(t,Zl.x,Zl.y);else if(this.itemSize===3)for(let t=0,n=this.count;t<n;t++)An.fromBufferAttribute(this,t),An.applyMatrix3(e),this.setXYZ(t,An.x,An.y,An.z);return this}applyMatrix4(e){for(let t=0,n=this.count;t<n;t++)An.fromBufferAttribute(this,t),An.applyMatrix4(e),this.setXYZ(t,An.x,An.y,An.z);return this}applyNormalMatrix(e){for(let t=0,n=this.count;t<n;t++)An.fromBufferAttribute(this,t),An.applyNormalMatrix(e),this.setXYZ(t,An.x,An.y,An.z);return this}transformDirection(e){for(let t=0,n=this.count;t<n;t++)An.fromBufferAttribute(this,t),An.transformDirection(e),this.setXYZ(t,An.x,An.y,An.z);return this}set(e,t=0){return this.array.set(e,t),this}getComponent(e,t){let n=this.array[e*this.itemSize+t];return this.normalized&&(n=this._denormalize(n)),n}setComponent(e,t,n){return this.normalized&&(n=this._normalize(n)),this.array[e*this.itemSize+t]=n,this}getX(e){let t=this.array[e*this.itemSize];return this.normalized&&(t=this._denormalize(t)),t}setX(e,t){return this.normalized&&(t=this._normalize(t)),this.array[e*this.itemSize]=t,this}getY(e){let t=this.array[e*this.itemSize+1];return this.normalized&&(t=this._denormalize(t)),t}setY(e,t){return this.normalized&&(t=this._normalize(t)),this.array[e*this.itemSize+1]=t,this}getZ(e){let t=this.array[e*this.itemSize+2];return this.normalized&&(t=this._denormalize(t)),t}setZ(e,t){return this.normalized&&(t=this._normalize(t)),this.array[e*this.itemSize+2]=t,this}getW(e){let t=this.array[e*this.itemSize+3];return this.normalized&&(t=this._denormalize(t)),t}setW(e,t){return this.normalized&&(t=this._normalize(t)),this.array[e*this.itemSize+3]=t,this}setXY(e,t,n){return e*=this.itemSize,this.normalized&&(t=this._normalize(t),n=this._normalize(n)),this.array[e+0]=t,this.array[e+1]=n,this}setXYZ(e,t,n,s){return e*=this.itemSize,this.normalized&&(t=this._normalize(t),n=this._normalize(n),s=this._normalize(s)),this.array[e+0]=t,this.array[e+1]=n,this.array[e+2]=s,this}setXYZW(e,t,n,s,r){return e*=this.itemSize,this.normalized&&(t=this._normalize(t),n=this._normalize(n),s=this._normalize(s),r=this._normalize(r)),this.array[e+0]=t,this.array[e+1]=n,this.array[e+2]=s,this.array[e+3]=r,this}onUpload(e){return this.onUploadCallback=e,this}clone(){return new this.constructor(this.array,this.itemSize).copy(this)}toJSON(){let e={itemSize:this.itemSize,type:this.array.constructor.name,array:Array.from(this.array),normalized:this.normalized};return e.name=this.name,e.usage=this.usage,e.gpuType=this.gpuType,e}dispose(){this.dispatchEvent({type:"dispose"})}_denormalize(e){let t=this._normalizationScale;return t!==void 0?Math.max(e/t,-1):v0(e,this.array)}_normalize(e){let t=this._normalizationScale;return t!==void 0?Math.round(e*t):b0(e,this.array)}};var La=class extends hn{constructor(e,t,n){super(new Uint16Array(e),t,n)}};var Da=class extends hn{constructor(e,t,n){super(new Uint32Array(e),t,n)}};var It=class extends hn{constructor(e,t,n){super(new Float32Array(e),t,n)}},Fb=new ds,ba=new F,vf=new F,Ir=class{constructor(e=new F,t=-1){this.isSphere=!0,this.center=e,this.radius=t}set(e,t){return this.center.copy(e),this.radius=t,this}setFromPoints(e,t){let n=this.center;t!==void 0?n.copy(t):Fb.setFromPoints(e).getCenter(n);let s=0;for(let r=0,o=e.length;r<o;r++)s=Math.max(s,n.distanceToSquared(e[r]));return this.radius=Math.sqrt(s),this}copy(e){return this.center.copy(e.center),this.radius=e.radius,this}isEmpty(){return this.radius<0}makeEmpty(){return this.center.set(0,0,0),this.radius=-1,this}containsPoint(e){return e.distanceToSquared(this.center)<=this.radius*this.radius}distanceToPoint(e){return e.distanceTo(this.center)-this.radius}intersectsSphere(e){let t=this.radius+e.radius;return e.center.distanceToSquared(this.center)<=t*t}intersectsBox(e){return e.intersectsSphere(this)}intersectsPlane(e){return Math.abs(e.distanceToPoint(this.center))<=this.radius}clampPoint(e,t){let n=this.center.distanceToSquared(e);return t.copy(e),n>this.radius*this.radius&&(t.sub(this.center).normalize(),t.multiplyScalar(this.radius).add(this.center)),t}getBoundingBox(e){return this.isEmpty()?(e.makeEmpty(),e):(e.set(this.center,this.center),e.expandByScalar(this.radius),e)}applyMatrix4(e){return this.center.applyMatrix4(e),this.radius=this.radius*e.getMaxScaleOnAxis(),this}translate(e){return this.center.add(e),this}expandByPoint(e){if(this.isEmpty())return this.center.copy(e),this.radius=0,this;ba.subVectors(e,this.center);let t=ba.lengthSq();if(t>this.radius*this.radius){let n=Math.sqrt(t),s=(n-this.radius)*.5;this.center.addScaledVector(ba,s/n),this.radius+=s}return this}union(e){return e.isEmpty()?this:this.isEmpty()?(this.copy(e),this):(this.center.equals(e.center)===!0?this.radius=Math.max(this.radius,e.radius):(vf.subVectors(e.center,this.center).setLength(e.radius),this.expandByPoint(ba.copy(e.center).add(vf)),this.expandByPoint(ba.copy(e.center).sub(vf))),this)}equals(e){return e.center.equals(this.center)&&e.radius===this.radius}clone(){return new this.constructor().copy(this)}toJSON(){return{radius:this.radius,center:this.center.toArray()}}fromJSON(e){return this.radius=e.radius,this.center.fromArray(e.center),this}},Ob=0,Ni=new Xt,bf=new Hn,So=new F,Si=new ds,Ma=new ds,Bn=new F,gt=class i extends Ki{constructor(){super(),this.isBufferGeometry=!0,Object.defineProperty(this,"id",{value:Ob++}),this.uuid=Wo(),this.name="",this.type="BufferGeometry",this.index=null,this.indirect=null,this.indirectOffset=0,this.attributes={},this.morphAttributes={},this.morphTargetsRelative=!1,this.groups=[],this.boundingBox=null,this.boundingSphere=null,this.drawRange={start:0,count:1/0},this.userData={},this._transformed=!1}getIndex(){return this.index}setIndex(e){return Array.isArray(e)?this.index=new(lb(e)?Da:La)(e,1):this.index=e,this}setIndirect(e,t=0){return this.indirect=e,this.indirectOffset=t,this}getIndirect(){return this.indirect}getAttribute(e){return this.attributes[e]}setAttribute(e,t){return this.attributes[e]=t,this}deleteAttribute(e){return delete this.attributes[e],this}hasAttribute(e){return this.attributes[e]!==void 0}addGroup(e,t,n=0){this.groups.push({start:e,count:t,materialIndex:n})}clearGroups(){this.groups=[]}setDrawRange(e,t){this.drawRange.start=e,this.drawRange.count=t}applyMatrix4(e){let t=this.attributes.position;t!==void 0&&(t.applyMatrix4(e),t.needsUpdate=!0);let n=this.attributes.normal;if(n!==void 0){let r=new nt().getNormalMatrix(e);n.applyNormalMatrix(r),n.needsUpdate=!0}let s=this.attributes.tangent;return s!==void 0&&(s.transformDirection(e),s.needsUpdate=!0),this.boundingBox!==null&&this.computeBoundingBox(),this.boundingSphere!==null&&this.computeBoundingSphere(),this._transformed=!0,this}applyQuaternion(e){return Ni.makeRotationFromQuaternion(e),this.applyMatrix4(Ni),this}rotateX(e){return Ni.makeRotationX(e),this.applyMatrix4(Ni),this}rotateY(e){return Ni.makeRotationY(e),this.applyMatrix4(Ni),this}rotateZ(e){return Ni.makeRotationZ(e),this.applyMatrix4(Ni),this}translate(e,t,n){return Ni.makeTranslation(e,t,n),this.applyMatrix4(Ni),this}scale(e,t,n){return Ni.makeScale(e,t,n),this.applyMatrix4(Ni),this}lookAt(e){return bf.lookAt(e),bf.updateMatrix(),this.applyMatrix4(bf.matrix),this}center(){return this.computeBoundingBox(),this.boundingBox.getCenter(So).negate(),this.translate(So.x,So.y,So.z),this}setFromPoints(e){let t=this.getAttribute("position");if(t===void 0){let n=[];for(let s=0,r=e.length;s<r;s++){let o=e[s];n.push(o.x,o.y,o.z||0)}this.setAttribute("position",new It(n,3))}else{let n=Math.min(e.length,t.count);for(let s=0;s<n;s++){let r=e[s];t.setXYZ(s,r.x,r.y,r.z||0)}e.length>t.count&&Ye("BufferGeometry: Buffer size too small for points data. Use .dispose() and create a new geometry."),t.needsUpdate=!0}return this}computeBoundingBox(){this.boundingBox===null&&(this.boundingBox=new ds);let e=this.attributes.position,t=this.morphAttributes.position;if(e&&e.isGLBufferAttribute){et("BufferGeometry.computeBoundingBox(): GLBufferAttribute requires a manual bounding box.",this),this.boundingBox.set(new F(-1/0,-1/0,-1/0),new F(1/0,1/0,1/0));return}if(e!==void 0){if(this.boundingBox.setFromBufferAttribute(e),t)for(let n=0,s=t.length;n<s;n++){let r=t[n];Si.setFromBufferAttribute(r),this.morphTargetsRelative?(Bn.addVectors(this.boundingBox.min,Si.min),this.boundingBox.expandByPoint(Bn),Bn.addVectors(this.boundingBox.max,Si.max),this.boundingBox.expandByPoint(Bn)):(this.boundingBox.expandByPoint(Si.min),this.boundingBox.expandByPoint(Si.max))}}else this.boundingBox.makeEmpty();(isNaN(this.boundingBox.min.x)||isNaN(this.boundingBox.min.y)||isNaN(this.boundingBox.min.z))&&et('BufferGeometry.computeBoundingBox(): Computed min/max have NaN values. The "position" attribute is likely to have NaN values.',this)}computeBoundingSphere(){this.boundingSphere===null&&(this.boundingSphere=new Ir);let e=this.attributes.position,t=this.morphAttributes.position;if(e&&e.isGLBufferAttribute){et("BufferGeometry.computeBoundingSphere(): GLBufferAttribute requires a manual bounding sphere.",this),this.boundingSphere.set(new F,1/0);return}if(e){let n=this.boundingSphere.center;if(Si.setFromBufferAttribute(e),t)for(let r=0,o=t.length;r<o;r++){let a=t[r];Ma.setFromBufferAttribute(a),this.morphTargetsRelative?(Bn.addVectors(Si.min,Ma.min),Si.expandByPoint(Bn),Bn.addVectors(Si.max,Ma.max),Si.expandByPoint(Bn)):(Si.expandByPoint(Ma.min),Si.expandByPoint(Ma.max))}Si.getCenter(n);let s=0;for(let r=0,o=e.count;r<o;r++)Bn.fromBufferAttribute(e,r),s=Math.max(s,n.distanceToSquared(Bn));if(t)for(let r=0,o=t.length;r<o;r++){let a=t[r],l=this.morphTargetsRelative;for(let c=0,h=a.count;c<h;c++)Bn.fromBufferAttribute(a,c),l&&(So.fromBufferAttribute(e,c),Bn.add(So)),s=Math.max(s,n.distanceToSquared(Bn))}this.boundingSphere.radius=Math.sqrt(s),isNaN(this.boundingSphere.radius)&&et('BufferGeometry.computeBoundingSphere(): Computed radius is NaN. The "position" attribute is likely to have NaN values.',this)}}computeTangents(){let e=this.index,t=this.attributes;if(e===null||t.position===void 0||t.normal===void 0||t.uv===void 0){et("BufferGeometry: .computeTangents() failed. Missing required attributes (index, position, normal or uv)");return}let n=t.position,s=t.normal,r=t.uv,o=this.getAttribute("tangent");(o===void 0||o.count!==n.count)&&(o=new hn(new Float32Array(4*n.count),4),this.setAttribute("tangent",o));let a=[],l=[],c=new Uint8Array(n.count);for(let I=0;I<n.count;I++)a[I]=new F,l[I]=new F;let h=new F,u=new F,f=new F,p=new qe,g=new qe,x=new qe,m=new F,d=new F;function _(I,R,P){c[I]=c[R]=c[P]=1,h.fromBufferAttribute(n,I),u.fromBufferAttribute(n,R),f.fromBufferAttribute(n,P),p.fromBufferAttribute(r,I),g.fromBufferAttribute(r,R),x.fromBufferAttribute(r,P),u.sub(h),f.sub(h),g.sub(p),x.sub(p);let O=1/(g.x*x.y-x.x*g.y);isFinite(O)&&(m.copy(u).multiplyScalar(x.y).addScaledVector(f,-g.y).multiplyScalar(O),d.copy(f).multiplyScalar(g.x).addScaledVector(u,-x.x).multiplyScalar(O),a[I].add(m),a[R].add(m),a[P].add(m),l[I].add(d),l[R].add(d),l[P].add(d))}let w=this.groups;w.length===0&&(w=[{start:0,count:e.count}]);for(let I=0,R=w.length;I<R;++I){let P=w[I],O=P.start,V=P.count;for(let L=O,B=O+V;L<B;L+=3)_(e.getX(L+0),e.getX(L+1),e.getX(L+2))}let b=new F,E=new F,S=new F,y=new F;function M(I){S.fromBufferAttribute(s,I),y.copy(S);let R=a[I];b.copy(R),b.sub(S.multiplyScalar(S.dot(R))).normalize(),E.crossVectors(y,R);let O=E.dot(l[I])<0?-1:1;o.setXYZW(I,b.x,b.y,b.z,O)}for(let I=0,R=n.count;I<R;++I)c[I]&&M(I);this._transformed=!0}computeVertexNormals(){let e=this.index,t=this.getAttribute("position");if(t!==void 0){let n=this.getAttribute("normal");if(n===void 0||n.count!==t.count)n=new hn(new Float32Array(t.count*3),3),this.setAttribute("normal",n);else for(let f=0,p=n.count;f<p;f++)n.setXYZ(f,0,0,0);let s=new F,r=new F,o=new F,a=new F,l=new F,c=new F,h=new F,u=new F;if(e)for(let f=0,p=e.count;f<p;f+=3){let g=e.getX(f+0),x=e.getX(f+1),m=e.getX(f+2);s.fromBufferAttribute(t,g),r.fromBufferAttribute(t,x),o.fromBufferAttribute(t,m),h.subVectors(o,r),u.subVectors(s,r),h.cross(u),a.fromBufferAttribute(n,g),l.fromBufferAttribute(n,x),c.fromBufferAttribute(n,m),a.add(h),l.add(h),c.add(h),n.setXYZ(g,a.x,a.y,a.z),n.setXYZ(x,l.x,l.y,l.z),n.setXYZ(m,c.x,c.y,c.z)}else for(let f=0,p=t.count;f<p;f+=3)s.fromBufferAttribute(t,f+0),r.fromBufferAttribute(t,f+1),o.fromBufferAttribute(t,f+2),h.subVectors(o,r),u.subVectors(s,r),h.cross(u),n.setXYZ(f+0,h.x,h.y,h.z),n.setXYZ(f+1,h.x,h.y,h.z),n.setXYZ(f+2,h.x,h.y,h.z);this.normalizeNormals(),n.needsUpdate=!0}}normalizeNormals(){let e=this.attributes.normal;for(let t=0,n=e.count;t<n;t++)Bn.fromBufferAttribute(e,t),Bn.normalize(),e.setXYZ(t,Bn.x,Bn.y,Bn.z)}toNonIndexed(){function e(a,l){let c=a.array,h=a.itemSize,u=a.normalized,f=new c.constructor(l.length*h),p=0,g=0;for(let x=0,m=l.length;x<m;x++){a.isInterleavedBufferAttribute?p=l[x]*a.data.stride+a.offset:p=l[x]*h;for(let d=0;d<h;d++)f[g++]=c[p++]}return new hn(f,h,u)}if(this.index===null)return Ye("BufferGeometry.toNonIndexed(): BufferGeometry is already non-indexed."),this;let t=new i,n=this.index.array,s=this.attributes;for(let a in s){let l=s[a],c=e(l,n);t.setAttribute(a,c)}let r=this.morphAttributes;for(let a in r){let l=[],c=r[a];for(let h=0,u=c.length;h<u;h++){let f=c[h],p=e(f,n);l.push(p)}t.morphAttributes[a]=l}t.morphTargetsRelative=this.morphTargetsRelative;let o=this.groups;for(let a=0,l=o.length;a<l;a++){let c=o[a];t.addGroup(c.start,c.count,c.materialIndex)}return t}toJSON(){let e={metadata:{version:4.7,type:"BufferGeometry",generator:"BufferGeometry.toJSON"}};if(e.uuid=this.uuid,e.type=this.parameters!==void 0&&this._transformed===!0?"BufferGeometry":this.type,e.name=this.name,Object.keys(this.userData).length>0&&(e.userData=this.userData),this.parameters!==void 0&&this._transformed!==!0){let l=this.parameters;for(let c in l)l[c]!==void 0&&(e[c]=l[c]);return e}e.data={attributes:{}};let t=this.index;t!==null&&(e.data.index={type:t.array.constructor.name,array:Array.prototype.slice.call(t.array)});let n=this.attributes;for(let l in n){let c=n[l];e.data.attributes[l]=c.toJSON(e.data)}let s={},r=!1;for(let l in this.morphAttributes){let c=this.morphAttributes[l],h=[];for(let u=0,f=c.length;u<f;u++){let p=c[u];h.push(p.toJSON(e.data))}h.length>0&&(s[l]=h,r=!0)}r&&(e.data.morphAttributes=s,e.data.morphTargetsRelative=this.morphTargetsRelative);let o=this.groups;o.length>0&&(e.data.groups=JSON.parse(JSON.stringify(o)));let a=this.boundingSphere;return a!==null&&(e.data.boundingSphere=a.toJSON()),e}clone(){return new this.constructor().copy(this)}copy(e){this.index=null,this.attributes={},this.morphAttributes={},this.groups=[],this.boundingBox=null,this.boundingSphere=null;let t={};this.name=e.name;let n=e.index;n!==null&&this.setIndex(n.clone());let s=e.attributes;for(let c in s){let h=s[c];this.setAttribute(c,h.clone(t))}let r=e.morphAttributes;for(let c in r){let h=[],u=r[c];for(let f=0,p=u.length;f<p;f++)h.push(u[f].clone(t));this.morphAttributes[c]=h}this.morphTargetsRelative=e.morphTargetsRelative;let o=e.groups;for(let c=0,h=o.length;c<h;c++){let u=o[c];this.addGroup(u.start,u.count,u.materialIndex)}let a=e.boundingBox;a!==null&&(this.boundingBox=a.clone());let l=e.boundingSphere;return l!==null&&(this.boundingSphere=l.clone()),this.drawRange.start=e.drawRange.start,this.drawRange.count=e.drawRange.count,this.userData=e.userData,this._transformed=e._transformed,this}dispose(){this.dispatchEvent({type:"dispose"})}};var Mf=new F,Bb=new F,kb=new nt,Zn=class{constructor(e=new F(1,0,0),t=0){this.isPlane=!0,this.normal=e,this.constant=t}set(e,t){return this.normal.copy(e),this.constant=t,this}setComponents(e,t,n,s){return this.normal.set(e,t,n),this.constant=s,this}setFromNormalAndCoplanarPoint(e,t){return this.normal.copy(e),this.constant=-t.dot(this.normal),this}setFromCoplanarPoints(e,t,n){let s=Mf.subVectors(n,t).cross(Bb.subVectors(e,t)).normalize();return this.setFromNormalAndCoplanarPoint(s,e),this}copy(e){return this.normal.copy(e.normal),this.constant=e.constant,this}normalize(){let e=1/this.normal.length();return this.normal.multiplyScalar(e),this.constant*=e,this}negate(){return this.constant*=-1,this.normal.negate(),this}distanceToPoint(e){return this.normal.dot(e)+this.constant}distanceToSphere(e){return this.distanceToPoint(e.center)-e.radius}projectPoint(e,t){return t.copy(e).addScaledVector(this.normal,-this.distanceToPoint(e))}intersectLine(e,t,n=!0){let s=e.delta(Mf),r=this.normal.dot(s);if(r===0)return this.distanceToPoint(e.start)===0?t.copy(e.start):null;let o=-(e.start.dot(this.normal)+this.constant)/r;return n===!0&&(o<0||o>1)?null:t.copy(e.start).addScaledVector(s,o)}intersectsLine(e){let t=this.distanceToPoint(e.start),n=this.distanceToPoint(e.end);return t<0&&n>0||n<0&&t>0}intersectsBox(e){return e.intersectsPlane(this)}intersectsSphere(e){return e.intersectsPlane(this)}coplanarPoint(e){return e.copy(this.normal).multiplyScalar(-this.constant)}applyMatrix4(e,t){let n=t||kb.getNormalMatrix(e),s=this.coplanarPoint(Mf).applyMatrix4(e),r=this.normal.applyMatrix3(n).normalize();return this.constant=-s.dot(r),this}translate(e){return this.constant-=e.dot(this.normal),this}equals(e){return e.normal.equals(this.normal)&&e.constant===this.constant}clone(){return new this.constructor().copy(this)}toJSON(){return{normal:this.normal.toArray(),constant:this.constant}}fromJSON(e){return this.normal.fromArray(e.normal),this.constant=e.constant,this}},zb=0,Ns=class extends Ki{constructor(){super(),this.isMaterial=!0,Object.defineProperty(this,"id",{value:zb++}),this.uuid=Wo(),this.name="",this.type="Material",this.blending=Vo,this.side=cr,this.vertexColors=!1,this.opacity=1,this.transparent=!1,this.alphaHash=!1,this.blendSrc=Vf,this.blendDst=Hf,this.blendEquation=Nr,this.blendSrcAlpha=null,this.blendDstAlpha=null,this.blendEquationAlpha=null,this.blendColor=new ut(0,0,0),this.blendAlpha=0,this.depthFunc=Ro,this.depthTest=!0,this.depthWrite=!0,this.stencilWriteMask=255,this.stencilFunc=c0,this.stencilRef=0,this.stencilFuncMask=255,this.stencilFail=gc,this.stencilZFail=gc,this.stencilZPass=gc,this.stencilWrite=!1,this.clippingPlanes=null,this.clipIntersection=!1,this.clipShadows=!1,this.shadowSide=null,this.colorWrite=!0,this.precision=null,this.polygonOffset=!1,this.polygonOffsetFactor=0,this.polygonOffsetUnits=0,this.dithering=!1,this.alphaToCoverage=!1,this.premultipliedAlpha=!1,this.forceSinglePass=!1,this.allowOverride=!0,this.visible=!0,this.toneMapped=!0,this.userData={},this.version=0,this._alphaTest=0}get alphaTest(){return this._alphaTest}set alphaTest(e){this._alphaTest>0!=e>0&&this.version++,this._alphaTest=e}onBeforeRender(){}onBeforeCompile(){}customProgramCacheKey(){return this.onBeforeCompile.toString()}setValues(e){if(e!==void 0)for(let t in e){let n=e[t];if(n===void 0){Ye(`Material: parameter '${t}' has value of undefined.`);continue}let s=this[t];if(s===void 0){Ye(`Material: '${t}' is not a property of THREE.${this.type}.`);continue}s&&s.isColor?s.set(n):s&&s.isVector2&&n&&n.isVector2||s&&s.isEuler&&n&&n.isEuler||s&&s.isVector3&&n&&n.isVector3?s.copy(n):this[t]=n}}toJSON(e){let t=e===void 0||typeof e=="string";t&&(e={textures:{},images:{}});let n={metadata:{version:4.7,type:"Material",generator:"Material.toJSON"}};n.uuid=this.uuid,n.type=this.type,n.blending=this.blending,n.side=this.side,n.shadowSide=this.shadowSide,n.vertexColors=this.vertexColors,n.opacity=this.opacity,n.transparent=this.transparent,n.blendSrc=this.blendSrc,n.blendDst=this.blendDst,n.blendEquation=this.blendEquation,n.blendSrcAlpha=this.blendSrcAlpha,n.blendDstAlpha=this.blendDstAlpha,n.blendEquationAlpha=this.blendEquationAlpha,n.blendColor=this.blendColor.getHex(),n.blendAlpha=this.blendAlpha,n.depthFunc=this.depthFunc,n.depthTest=this.depthTest,n.depthWrite=this.depthWrite,n.colorWrite=this.colorWrite,n.clipIntersection=this.clipIntersection,n.clipShadows=this.clipShadows,n.stencilWriteMask=this.stencilWriteMask,n.stencilFunc=this.stencilFunc,n.stencilRef=this.stencilRef,n.stencilFuncMask=this.stencilFuncMask,n.stencilFail=this.stencilFail,n.stencilZFail=this.stencilZFail,n.stencilZPass=this.stencilZPass,n.stencilWrite=this.stencilWrite,n.polygonOffset=this.polygonOffset,n.polygonOffsetFactor=this.polygonOffsetFactor,n.polygonOffsetUnits=this.polygonOffsetUnits,n.dithering=this.dithering,n.alphaTest=this.alphaTest,n.alphaHash=this.alphaHash,n.alphaToCoverage=this.alphaToCoverage,n.premultipliedAlpha=this.premultipliedAlpha,n.forceSinglePass=this.forceSinglePass,n.allowOverride=this.allowOverride,n.visible=this.visible,n.toneMapped=this.toneMapped,n.name=this.name,this.color&&this.color.isColor&&(n.color=this.color.getHex()),this.roughness!==void 0&&(n.roughness=this.roughness),this.metalness!==void 0&&(n.metalness=this.metalness),this.sheen!==void 0&&(n.sheen=this.sheen),this.sheenColor&&this.sheenColor.isColor&&(n.sheenColor=this.sheenColor.getHex()),this.sheenRoughness!==void 0&&(n.sheenRoughness=this.sheenRoughness),this.emissive&&this.emissive.isColor&&(n.emissive=this.emissive.getHex()),this.emissiveIntensity!==void 0&&(n.emissiveIntensity=this.emissiveIntensity),this.specular&&this.specular.isColor&&(n.specular=this.specular.getHex()),this.specularIntensity!==void 0&&(n.specularIntensity=this.specularIntensity),this.specularColor&&this.specularColor.isColor&&(n.specularColor=this.specularColor.getHex()),this.shininess!==void 0&&(n.shininess=this.shininess),this.clearcoat!==void 0&&(n.clearcoat=this.clearcoat),this.clearcoatRoughness!==void 0&&(n.clearcoatRoughness=this.clearcoatRoughness),this.diffuseRoughness!==void 0&&(n.diffuseRoughness=this.diffuseRoughness),this.diffuseRoughnessMap&&this.diffuseRoughnessMap.isTexture&&(n.diffuseRoughnessMap=this.diffuseRoughnessMap.toJSON(e).uuid),this.clearcoatMap&&this.clearcoatMap.isTexture&&(n.clearcoatMap=this.clearcoatMap.toJSON(e).uuid),this.clearcoatRoughnessMap&&this.clearcoatRoughnessMap.isTexture&&(n.clearcoatRoughnessMap=this.clearcoatRoughnessMap.toJSON(e).uuid),this.clearcoatNormalMap&&this.clearcoatNormalMap.isTexture&&(n.clearcoatNormalMap=this.clearcoatNormalMap.toJSON(e).uuid,n.clearcoatNormalScale=this.clearcoatNormalScale.toArray()),this.sheenColorMap&&this.sheenColorMap.isTexture&&(n.sheenColorMap=this.sheenColorMap.toJSON(e).uuid),this.sheenRoughnessMap&&this.sheenRoughnessMap.isTexture&&(n.sheenRoughnessMap=this.sheenRoughnessMap.toJSON(e).uuid),this.dispersion!==void 0&&(n.dispersion=this.dispersion),this.retroreflectivity!==void 0&&(n.retroreflectivity=this.retroreflectivity),this.iridescence!==void 0&&(n.iridescence=this.iridescence),this.iridescenceIOR!==void 0&&(n.iridescenceIOR=this.iridescenceIOR),this.iridescenceThicknessMinimum!==void 0&&(n.iridescenceThicknessMinimum=this.iridescenceThicknessMinimum),this.iridescenceThicknessMaximum!==void 0&&(n.iridescenceThicknessMaximum=this.iridescenceThicknessMaximum),this.iridescenceMap&&this.iridescenceMap.isTexture&&(n.iridescenceMap=this.iridescenceMap.toJSON(e).uuid),this.iridescenceThicknessMap&&this.iridescenceThicknessMap.isTexture&&(n.iridescenceThicknessMap=this.iridescenceThicknessMap.toJSON(e).uuid),this.anisotropy!==void 0&&(n.anisotropy=this.anisotropy),this.anisotropyRotation!==void 0&&(n.anisotropyRotation=this.anisotropyRotation),this.anisotropyMap&&this.anisotropyMap.isTexture&&(n.anisotropyMap=this.anisotropyMap.toJSON(e).uuid),this.map&&this.map.isTexture&&(n.map=this.map.toJSON(e).uuid),this.matcap&&this.matcap.isTexture&&(n.matcap=this.matcap.toJSON(e).uuid),this.alphaMap&&this.alphaMap.isTexture&&(n.alphaMap=this.alphaMap.toJSON(e).uuid),this.lightMap&&this.lightMap.isTexture&&(n.lightMap=this.lightMap.toJSON(e).uuid,n.lightMapIntensity=this.lightMapIntensity),this.aoMap&&this.aoMap.isTexture&&(n.aoMap=this.aoMap.toJSON(e).uuid,n.aoMapIntensity=this.aoMapIntensity),this.bumpMap&&this.bumpMap.isTexture&&(n.bumpMap=this.bumpMap.toJSON(e).uuid,n.bumpScale=this.bumpScale),this.normalMap&&this.normalMap.isTexture&&(n.normalMap=this.normalMap.toJSON(e).uuid,n.normalMapType=this.normalMapType,n.normalScale=this.normalScale.toArray()),this.displacementMap&&this.displacementMap.isTexture&&(n.displacementMap=this.displacementMap.toJSON(e).uuid,n.displacementScale=this.displacementScale,n.displacementBias=this.displacementBias),this.roughnessMap&&this.roughnessMap.isTexture&&(n.roughnessMap=this.roughnessMap.toJSON(e).uuid),this.metalnessMap&&this.metalnessMap.isTexture&&(n.metalnessMap=this.metalnessMap.toJSON(e).uuid),this.emissiveMap&&this.emissiveMap.isTexture&&(n.emissiveMap=this.emissiveMap.toJSON(e).uuid),this.specularMap&&this.specularMap.isTexture&&(n.specularMap=this.specularMap.toJSON(e).uuid),this.specularIntensityMap&&this.specularIntensityMap.isTexture&&(n.specularIntensityMap=this.specularIntensityMap.toJSON(e).uuid),this.specularColorMap&&this.specularColorMap.isTexture&&(n.specularColorMap=this.specularColorMap.toJSON(e).uuid),this.envMap&&this.envMap.isTexture&&(n.envMap=this.envMap.toJSON(e).uuid,this.combine!==void 0&&(n.combine=this.combine)),this.envMapRotation!==void 0&&(n.envMapRotation=this.envMapRotation.toArray()),this.envMapIntensity!==void 0&&(n.envMapIntensity=this.envMapIntensity),this.reflectivity!==void 0&&(n.reflectivity=this.reflectivity),this.refractionRatio!==void 0&&(n.refractionRatio=this.refractionRatio),this.gradientMap&&this.gradientMap.isTexture&&(n.gradientMap=this.gradientMap.toJSON(e).uuid),this.transmission!==void 0&&(n.transmission=this.transmission),this.transmissionMap&&this.transmissionMap.isTexture&&(n.transmissionMap=this.transmissionMap.toJSON(e).uuid),this.thickness!==void 0&&(n.thickness=this.thickness),this.thicknessMap&&this.thicknessMap.isTexture&&(n.thicknessMap=this.thicknessMap.toJSON(e).uuid),this.attenuationDistance!==void 0&&(n.attenuationDistance=this.attenuationDistance),this.attenuationColor!==void 0&&(n.attenuationColor=this.attenuationColor.getHex()),this.size!==void 0&&(n.size=this.size),this.sizeAttenuation!==void 0&&(n.sizeAttenuation=this.sizeAttenuation),Array.isArray(this.clippingPlanes)&&this.clippingPlanes.length>0&&(n.clippingPlanes=this.clippingPlanes.map(r=>r.toJSON())),this.rotation!==void 0&&(n.rotation=this.rotation),this.depthPacking!==void 0&&(n.depthPacking=this.depthPacking),this.linewidth!==void 0&&(n.linewidth=this.linewidth),this.linecap!==void 0&&(n.linecap=this.linecap),this.linejoin!==void 0&&(n.linejoin=this.linejoin),this.dashSize!==void 0&&(n.dashSize=this.dashSize),this.gapSize!==void 0&&(n.gapSize=this.gapSize),this.scale!==void 0&&(n.scale=this.scale),this.wireframe!==void 0&&(n.wireframe=this.wireframe),this.wireframeLinewidth!==void 0&&(n.wireframeLinewidth=this.wireframeLinewidth),this.wireframeLinecap!==void 0&&(n.wireframeLinecap=this.wireframeLinecap),this.wireframeLinejoin!==void 0&&(n.wireframeLinejoin=this.wireframeLinejoin),this.flatShading!==void 0&&(n.flatShading=this.flatShading),this.fog!==void 0&&(n.fog=this.fog),Object.keys(this.userData).length>0&&(n.userData=this.userData);function s(r){let o=[];for(let a in r){let l=r[a];delete l.metadata,o.push(l)}return o}if(t){let r=s(e.textures),o=s(e.images);r.length>0&&(n.textures=r),o.length>0&&(n.images=o)}return n}fromJSON(e,t){if(e.uuid!==void 0&&(this.uuid=e.uuid),e.name!==void 0&&(this.name=e.name),e.color!==void 0&&this.color!==void 0&&this.color.setHex(e.color),e.roughness!==void 0&&(this.roughness=e.roughness),e.metalness!==void 0&&(this.metalness=e.metalness),e.sheen!==void 0&&(this.sheen=e.sheen),e.sheenColor!==void 0&&(this.sheenColor=new ut().setHex(e.sheenColor)),e.sheenRoughness!==void 0&&(this.sheenRoughness=e.sheenRoughness),e.emissive!==void 0&&this.emissive!==void 0&&this.emissive.setHex(e.emissive),e.specular!==void 0&&this.specular!==void 0&&this.specular.setHex(e.specular),e.specularIntensity!==void 0&&(this.specularIntensity=e.specularIntensity),e.specularColor!==void 0&&this.specularColor!==void 0&&this.specularColor.setHex(e.specularColor),e.shininess!==void 0&&(this.shininess=e.shininess),e.clearcoat!==void 0&&(this.clearcoat=e.clearcoat),e.clearcoatRoughness!==void 0&&(this.clearcoatRoughness=e.clearcoatRoughness),e.diffuseRoughness!==void 0&&(this.diffuseRoughness=e.diffuseRoughness),e.dispersion!==void 0&&(this.dispersion=e.dispersion),e.retroreflectivity!==void 0&&(this.retroreflectivity=e.retroreflectivity),e.iridescence!==void 0&&(this.iridescence=e.iridescence),e.iridescenceIOR!==void 0&&(this.iridescenceIOR=e.iridescenceIOR),e.iridescenceThicknessMinimum!==void 0&&(this.iridescenceThicknessMinimum=e.iridescenceThicknessMinimum),e.iridescenceThicknessMaximum!==void 0&&(this.iridescenceThicknessMaximum=e.iridescenceThicknessMaximum),e.iridescenceThicknessRange!==void 0&&(this.iridescenceThicknessMinimum=e.iridescenceThicknessRange[0],this.iridescenceThicknessMaximum=e.iridescenceThicknessRange[1]),e.transmission!==void 0&&(this.transmission=e.transmission),e.thickness!==void 0&&(this.thickness=e.thickness),e.attenuationDistance!==void 0&&(this.attenuationDistance=e.attenuationDistance),e.attenuationColor!==void 0&&this.attenuationColor!==void 0&&this.attenuationColor.setHex(e.attenuationColor),e.anisotropy!==void 0&&(this.anisotropy=e.anisotropy),e.anisotropyRotation!==void 0&&(this.anisotropyRotation=e.anisotropyRotation),e.fog!==void 0&&(this.fog=e.fog),e.flatShading!==void 0&&(this.flatShading=e.flatShading),e.blending!==void 0&&(this.blending=e.blending),e.combine!==void 0&&(this.combine=e.combine),e.side!==void 0&&(this.side=e.side),e.shadowSide!==void 0&&(this.shadowSide=e.shadowSide),e.opacity!==void 0&&(this.opacity=e.opacity),e.transparent!==void 0&&(this.transparent=e.transparent),e.alphaTest!==void 0&&(this.alphaTest=e.alphaTest),e.alphaHash!==void 0&&(this.alphaHash=e.alphaHash),e.depthFunc!==void 0&&(this.depthFunc=e.depthFunc),e.depthTest!==void 0&&(this.depthTest=e.depthTest),e.depthWrite!==void 0&&(this.depthWrite=e.depthWrite),e.colorWrite!==void 0&&(this.colorWrite=e.colorWrite),e.clippingPlanes!==void 0&&(this.clippingPlanes=e.clippingPlanes.map(n=>new Zn().fromJSON(n))),e.clipIntersection!==void 0&&(this.clipIntersection=e.clipIntersection),e.clipShadows!==void 0&&(this.clipShadows=e.clipShadows),e.depthPacking!==void 0&&(this.depthPacking=e.depthPacking),e.blendSrc!==void 0&&(this.blendSrc=e.blendSrc),e.blendDst!==void 0&&(this.blendDst=e.blendDst),e.blendEquation!==void 0&&(this.blendEquation=e.blendEquation),e.blendSrcAlpha!==void 0&&(this.blendSrcAlpha=e.blendSrcAlpha),e.blendDstAlpha!==void 0&&(this.blendDstAlpha=e.blendDstAlpha),e.blendEquationAlpha!==void 0&&(this.blendEquationAlpha=e.blendEquationAlpha),e.blendColor!==void 0&&this.blendColor!==void 0&&this.blendColor.setHex(e.blendColor),e.blendAlpha!==void 0&&(this.blendAlpha=e.blendAlpha),e.stencilWriteMask!==void 0&&(this.stencilWriteMask=e.stencilWriteMask),e.stencilFunc!==void 0&&(this.stencilFunc=e.stencilFunc),e.stencilRef!==void 0&&(this.stencilRef=e.stencilRef),e.stencilFuncMask!==void 0&&(this.stencilFuncMask=e.stencilFuncMask),e.stencilFail!==void 0&&(this.stencilFail=e.stencilFail),e.stencilZFail!==void 0&&(this.stencilZFail=e.stencilZFail),e.stencilZPass!==void 0&&(this.stencilZPass=e.stencilZPass),e.stencilWrite!==void 0&&(this.stencilWrite=e.stencilWrite),e.wireframe!==void 0&&(this.wireframe=e.wireframe),e.wireframeLinewidth!==void 0&&(this.wireframeLinewidth=e.wireframeLinewidth),e.wireframeLinecap!==void 0&&(this.wireframeLinecap=e.wireframeLinecap),e.wireframeLinejoin!==void 0&&(this.wireframeLinejoin=e.wireframeLinejoin),e.rotation!==void 0&&(this.rotation=e.rotation),e.linewidth!==void 0&&(this.linewidth=e.linewidth),e.linecap!==void 0&&(this.linecap=e.linecap),e.linejoin!==void 0&&(this.linejoin=e.linejoin),e.dashSize!==void 0&&(this.dashSize=e.dashSize),e.gapSize!==void 0&&(this.gapSize=e.gapSize),e.scale!==void 0&&(this.scale=e.scale),e.polygonOffset!==void 0&&(this.polygonOffset=e.polygonOffset),e.polygonOffsetFactor!==void 0&&(this.polygonOffsetFactor=e.polygonOffsetFactor),e.polygonOffsetUnits!==void 0&&(this.polygonOffsetUnits=e.polygonOffsetUnits),e.dithering!==void 0&&(this.dithering=e.dithering),e.alphaToCoverage!==void 0&&(this.alphaToCoverage=e.alphaToCoverage),e.premultipliedAlpha!==void 0&&(this.premultipliedAlpha=e.premultipliedAlpha),e.forceSinglePass!==void 0&&(this.forceSinglePass=e.forceSinglePass),e.allowOverride!==void 0&&(this.allowOverride=e.allowOverride),e.visible!==void 0&&(this.visible=e.visible),e.toneMapped!==void 0&&(this.toneMapped=e.toneMapped),e.userData!==void 0&&(this.userData=e.userData),e.vertexColors!==void 0&&(typeof e.vertexColors=="number"?this.vertexColors=e.vertexColors>0:this.vertexColors=e.vertexColors),e.size!==void 0&&(this.size=e.size),e.sizeAttenuation!==void 0&&(this.sizeAttenuation=e.sizeAttenuation),e.map!==void 0&&(this.map=t[e.map]||null),e.matcap!==void 0&&(this.matcap=t[e.matcap]||null),e.alphaMap!==void 0&&(this.alphaMap=t[e.alphaMap]||null),e.bumpMap!==void 0&&(this.bumpMap=t[e.bumpMap]||null),e.bumpScale!==void 0&&(this.bumpScale=e.bumpScale),e.normalMap!==void 0&&(this.normalMap=t[e.normalMap]||null),e.normalMapType!==void 0&&(this.normalMapType=e.normalMapType),e.normalScale!==void 0){let n=e.normalScale;Array.isArray(n)===!1&&(n=[n,n]),this.normalScale=new qe().fromArray(n)}return e.displacementMap!==void 0&&(this.displacementMap=t[e.displacementMap]||null),e.displacementScale!==void 0&&(this.displacementScale=e.displacementScale),e.displacementBias!==void 0&&(this.displacementBias=e.displacementBias),e.roughnessMap!==void 0&&(this.roughnessMap=t[e.roughnessMap]||null),e.metalnessMap!==void 0&&(this.metalnessMap=t[e.metalnessMap]||null),e.emissiveMap!==void 0&&(this.emissiveMap=t[e.emissiveMap]||null),e.emissiveIntensity!==void 0&&(this.emissiveIntensity=e.emissiveIntensity),e.specularMap!==void 0&&(this.specularMap=t[e.specularMap]||null),e.specularIntensityMap!==void 0&&(this.specularIntensityMap=t[e.specularIntensityMap]||null),e.specularColorMap!==void 0&&(this.specularColorMap=t[e.specularColorMap]||null),e.envMap!==void 0&&(this.envMap=t[e.envMap]||null),e.envMapRotation!==void 0&&this.envMapRotation.fromArray(e.envMapRotation),e.envMapIntensity!==void 0&&(this.envMapIntensity=e.envMapIntensity),e.reflectivity!==void 0&&(this.reflectivity=e.reflectivity),e.refractionRatio!==void 0&&(this.refractionRatio=e.refractionRatio),e.lightMap!==void 0&&(this.lightMap=t[e.lightMap]||null),e.lightMapIntensity!==void 0&&(this.lightMapIntensity=e.lightMapIntensity),e.aoMap!==void 0&&(this.aoMap=t[e.aoMap]||null),e.aoMapIntensity!==void 0&&(this.aoMapIntensity=e.aoMapIntensity),e.gradientMap!==void 0&&(this.gradientMap=t[e.gradientMap]||null),e.clearcoatMap!==void 0&&(this.clearcoatMap=t[e.clearcoatMap]||null),e.clearcoatRoughnessMap!==void 0&&(this.clearcoatRoughnessMap=t[e.clearcoatRoughnessMap]||null),e.clearcoatNormalMap!==void 0&&(this.clearcoatNormalMap=t[e.clearcoatNormalMap]||null),e.clearcoatNormalScale!==void 0&&(this.clearcoatNormalScale=new qe().fromArray(e.clearcoatNormalScale)),e.diffuseRoughnessMap!==void 0&&(this.diffuseRoughnessMap=t[e.diffuseRoughnessMap]||null),e.iridescenceMap!==void 0&&(this.iridescenceMap=t[e.iridescenceMap]||null),e.iridescenceThicknessMap!==void 0&&(this.iridescenceThicknessMap=t[e.iridescenceThicknessMap]||null),e.transmissionMap!==void 0&&(this.transmissionMap=t[e.transmissionMap]||null),e.thicknessMap!==void 0&&(this.thicknessMap=t[e.thicknessMap]||null),e.anisotropyMap!==void 0&&(this.anisotropyMap=t[e.anisotropyMap]||null),e.sheenColorMap!==void 0&&(this.sheenColorMap=t[e.sheenColorMap]||null),e.sheenRoughnessMap!==void 0&&(this.sheenRoughnessMap=t[e.sheenRoughnessMap]||null),this}clone(){return new this.constructor().copy(this)}copy(e){this.name=e.name,this.blending=e.blending,this.side=e.side,this.vertexColors=e.vertexColors,this.opacity=e.opacity,this.transparent=e.transparent,this.blendSrc=e.blendSrc,this.blendDst=e.blendDst,this.blendEquation=e.blendEquation,this.blendSrcAlpha=e.blendSrcAlpha,this.blendDstAlpha=e.blendDstAlpha,this.blendEquationAlpha=e.blendEquationAlpha,this.blendColor.copy(e.blendColor),this.blendAlpha=e.blendAlpha,this.depthFunc=e.depthFunc,this.depthTest=e.depthTest,this.depthWrite=e.depthWrite,this.stencilWriteMask=e.stencilWriteMask,this.stencilFunc=e.stencilFunc,this.stencilRef=e.stencilRef,this.stencilFuncMask=e.stencilFuncMask,this.stencilFail=e.stencilFail,this.stencilZFail=e.stencilZFail,this.stencilZPass=e.stencilZPass,this.stencilWrite=e.stencilWrite;let t=e.clippingPlanes,n=null;if(t!==null){let s=t.length;n=new Array(s);for(let r=0;r!==s;++r)n[r]=t[r].clone()}return this.clippingPlanes=n,this.clipIntersection=e.clipIntersection,this.clipShadows=e.clipShadows,this.shadowSide=e.shadowSide,this.colorWrite=e.colorWrite,this.precision=e.precision,this.polygonOffset=e.polygonOffset,this.polygonOffsetFactor=e.polygonOffsetFactor,this.polygonOffsetUnits=e.polygonOffsetUnits,this.dithering=e.dithering,this.alphaTest=e.alphaTest,this.alphaHash=e.alphaHash,this.alphaToCoverage=e.alphaToCoverage,this.premultipliedAlpha=e.premultipliedAlpha,this.forceSinglePass=e.forceSinglePass,this.allowOverride=e.allowOverride,this.visible=e.visible,this.toneMapped=e.toneMapped,this.userData=JSON.parse(JSON.stringify(e.userData)),this}dispose(){this.dispatchEvent({type:"dispose"})}set needsUpdate(e){e===!0&&this.version++}};var Rs=new F,Sf=new F,Kl=new F,Jl=new F,Qs=class{constructor(e=new F,t=new F(0,0,-1)){this.origin=e,this.direction=t}set(e,t){return this.origin.copy(e),this.direction.copy(t),this}copy(e){return this.origin.copy(e.origin),this.direction.copy(e.direction),this}at(e,t){return t.copy(this.origin).addScaledVector(this.direction,e)}lookAt(e){return this.direction.copy(e).sub(this.origin).normalize(),this}recast(e){return this.origin.copy(this.at(e,Rs)),this}closestPointToPoint(e,t){t.subVectors(e,this.origin);let n=t.dot(this.direction);return n<0?t.copy(this.origin):t.copy(this.origin).addScaledVector(this.direction,n)}distanceToPoint(e){return Math.sqrt(this.distanceSqToPoint(e))}distanceSqToPoint(e){let t=Rs.subVectors(e,this.origin).dot(this.direction);return t<0?this.origin.distanceToSquared(e):(Rs.copy(this.origin).addScaledVector(this.direction,t),Rs.distanceToSquared(e))}distanceSqToSegment(e,t,n,s){Sf.copy(e).add(t).multiplyScalar(.5),Kl.copy(t).sub(e).normalize(),Jl.copy(this.origin).sub(Sf);let r=e.distanceTo(t)*.5,o=-this.direction.dot(Kl),a=Jl.dot(this.direction),l=-Jl.dot(Kl),c=Jl.lengthSq(),h=Math.abs(1-o*o),u,f,p,g;if(h>0)if(u=o*l-a,f=o*a-l,g=r*h,u>=0)if(f>=-g)if(f<=g){let x=1/h;u*=x,f*=x,p=u*(u+o*f+2*a)+f*(o*u+f+2*l)+c}else f=r,u=Math.max(0,-(o*f+a)),p=-u*u+f*(f+2*l)+c;else f=-r,u=Math.max(0,-(o*f+a)),p=-u*u+f*(f+2*l)+c;else f<=-g?(u=Math.max(0,-(-o*r+a)),f=u>0?-r:Math.min(Math.max(-r,-l),r),p=-u*u+f*(f+2*l)+c):f<=g?(u=0,f=Math.min(Math.max(-r,-l),r),p=f*(f+2*l)+c):(u=Math.max(0,-(o*r+a)),f=u>0?r:Math.min(Math.max(-r,-l),r),p=-u*u+f*(f+2*l)+c);else f=o>0?-r:r,u=Math.max(0,-(o*f+a)),p=-u*u+f*(f+2*l)+c;return n&&n.copy(this.origin).addScaledVector(this.direction,u),s&&s.copy(Sf).addScaledVector(Kl,f),p}intersectSphere(e,t){if(e.radius<0)return null;Rs.subVectors(e.center,this.origin);let n=Rs.dot(this.direction),s=Rs.dot(Rs)-n*n,r=e.radius*e.radius;if(s>r)return null;let o=Math.sqrt(r-s),a=n-o,l=n+o;return l<0?null:a<0?this.at(l,t):this.at(a,t)}intersectsSphere(e){return e.radius<0?!1:this.distanceSqToPoint(e.center)<=e.radius*e.radius}distanceToPlane(e){let t=e.normal.dot(this.direction);if(t===0)return e.distanceToPoint(this.origin)===0?0:null;let n=-(this.origin.dot(e.normal)+e.constant)/t;return n>=0?n:null}intersectPlane(e,t){let n=this.distanceToPlane(e);return n===null?null:this.at(n,t)}intersectsPlane(e){let t=e.distanceToPoint(this.origin);return t===0||e.normal.dot(this.direction)*t<0}intersectBox(e,t){let n,s,r,o,a,l,c=1/this.direction.x,h=1/this.direction.y,u=1/this.direction.z,f=this.origin;return c>=0?(n=(e.min.x-f.x)*c,s=(e.max.x-f.x)*c):(n=(e.max.x-f.x)*c,s=(e.min.x-f.x)*c),h>=0?(r=(e.min.y-f.y)*h,o=(e.max.y-f.y)*h):(r=(e.max.y-f.y)*h,o=(e.min.y-f.y)*h),n>o||r>s||((r>n||isNaN(n))&&(n=r),(o<s||isNaN(s))&&(s=o),u>=0?(a=(e.min.z-f.z)*u,l=(e.max.z-f.z)*u):(a=(e.max.z-f.z)*u,l=(e.min.z-f.z)*u),n>l||a>s)||((a>n||n!==n)&&(n=a),(l<s||s!==s)&&(s=l),s<0)?null:this.at(n>=0?n:s,t)}intersectsBox(e){return this.intersectBox(e,Rs)!==null}intersectTriangle(e,t,n,s,r){let o=this.origin,a=this.direction,l=a.x,c=a.y,h=a.z,u=e.x-o.x,f=e.y-o.y,p=e.z-o.z,g=t.x-o.x,x=t.y-o.y,m=t.z-o.z,d=n.x-o.x,_=n.y-o.y,w=n.z-o.z,b=Math.abs(l),E=Math.abs(c),S=Math.abs(h),y,M,I,R,P,O,V,L,B,X,G,ae;if(b>=E&&b>=S?(I=l,O=u,B=g,ae=d,l>=0?(y=c,M=h,R=f,P=p,V=x,L=m,X=_,G=w):(y=h,M=c,R=p,P=f,V=m,L=x,X=w,G=_)):E>=S?(I=c,O=f,B=x,ae=_,c>=0?(y=h,M=l,R=p,P=u,V=m,L=g,X=w,G=d):(y=l,M=h,R=u,P=p,V=g,L=m,X=d,G=w)):(I=h,O=p,B=m,ae=w,h>=0?(y=l,M=c,R=u,P=f,V=g,L=x,X=d,G=_):(y=c,M=l,R=f,P=u,V=x,L=g,X=_,G=d)),I===0)return null;let Z=y/I,j=M/I,ne=1/I,fe=R-Z*O,ue=P-j*O,Q=V-Z*B,me=L-j*B,ge=X-Z*ae,ye=G-j*ae,_e=ge*me-ye*Q,He=fe*ye-ue*ge,Ke=Q*ue-me*fe;if(s){if(_e<0||He<0||Ke<0)return null}else if((_e<0||He<0||Ke<0)&&(_e>0||He>0||Ke>0))return null;let Oe=_e+He+Ke;if(Oe===0)return null;let it=ne*(_e*O+He*B+Ke*ae);return(Oe>0?it<0:it>0)?null:this.at(it/Oe,r)}applyMatrix4(e){return this.origin.applyMatrix4(e),this.direction.transformDirection(e),this}equals(e){return e.origin.equals(this.origin)&&e.direction.equals(this.direction)}clone(){return new this.constructor().copy(this)}},Na=class extends Ns{constructor(e){super(),this.isMeshBasicMaterial=!0,this.type="MeshBasicMaterial",this.color=new ut(16777215),this.map=null,this.lightMap=null,this.lightMapIntensity=1,this.aoMap=null,this.aoMapIntensity=1,this.specularMap=null,this.alphaMap=null,this.envMap=null,this.envMapRotation=new Ds,this.combine=Kc,this.reflectivity=1,this.refractionRatio=.98,this.wireframe=!1,this.wireframeLinewidth=1,this.wireframeLinecap="round",this.wireframeLinejoin="round",this.fog=!0,this.setValues(e)}copy(e){return super.copy(e),this.color.copy(e.color),this.map=e.map,this.lightMap=e.lightMap,this.lightMapIntensity=e.lightMapIntensity,this.aoMap=e.aoMap,this.aoMapIntensity=e.aoMapIntensity,this.specularMap=e.specularMap,this.alphaMap=e.alphaMap,this.envMap=e.envMap,this.envMapRotation.copy(e.envMapRotation),this.combine=e.combine,this.reflectivity=e.reflectivity,this.refractionRatio=e.refractionRatio,this.wireframe=e.wireframe,this.wireframeLinewidth=e.wireframeLinewidth,this.wireframeLinecap=e.wireframeLinecap,this.wireframeLinejoin=e.wireframeLinejoin,this.fog=e.fog,this}},xg=new Xt,Cr=new Qs,jl=new Ir,vg=new F,Ql=new F,ec=new F,tc=new F,wf=new F,nc=new F,bg=new F,ic=new F,Mt=class extends Hn{constructor(e=new gt,t=new Na){super(),this.isMesh=!0,this.type="Mesh",this.geometry=e,this.material=t,this.morphTargetDictionary=void 0,this.morphTargetInfluences=void 0,this.count=1,this.updateMorphTargets()}copy(e,t){return super.copy(e,t),e.morphTargetInfluences!==void 0?this.morphTargetInfluences=e.morphTargetInfluences.slice():this.morphTargetInfluences=void 0,e.morphTargetDictionary!==void 0?this.morphTargetDictionary=Object.assign({},e.morphTargetDictionary):this.morphTargetDictionary=void 0,this.material=Array.isArray(e.material)?e.material.slice():e.material,this.geometry=e.geometry,this}updateMorphTargets(){let t=this.geometry.morphAttributes,n=Object.keys(t);if(n.length>0){let s=t[n[0]];if(s!==void 0){this.morphTargetInfluences=[],this.morphTargetDictionary={};for(let r=0,o=s.length;r<o;r++){let a=s[r].name||String(r);this.morphTargetInfluences.push(0),this.morphTargetDictionary[a]=r}}}}getVertexPosition(e,t){let n=this.geometry,s=n.attributes.position,r=n.morphAttributes.position,o=n.morphTargetsRelative;t.fromBufferAttribute(s,e);let a=this.morphTargetInfluences;if(r&&a){nc.set(0,0,0);for(let l=0,c=r.length;l<c;l++){let h=a[l],u=r[l];h!==0&&(wf.fromBufferAttribute(u,e),o?nc.addScaledVector(wf,h):nc.addScaledVector(wf.sub(t),h))}t.add(nc)}return t}intersectsFrustum(e){return e.intersectsObject(this)}raycast(e,t){let n=this.geometry,s=this.material,r=this.matrixWorld;s!==void 0&&(n.boundingSphere===null&&n.computeBoundingSphere(),jl.copy(n.boundingSphere),jl.applyMatrix4(r),Cr.copy(e.ray).recast(e.near),!(jl.containsPoint(Cr.origin)===!1&&(Cr.intersectSphere(jl,vg)===null||Cr.origin.distanceToSquared(vg)>(e.far-e.near)**2))&&(xg.copy(r).invert(),Cr.copy(e.ray).applyMatrix4(xg),!(n.boundingBox!==null&&Cr.intersectsBox(n.boundingBox)===!1)&&this._computeIntersections(e,t,Cr)))}_computeIntersections(e,t,n){let s,r=this.geometry,o=this.material,a=r.index,l=r.attributes.position,c=r.attributes.uv,h=r.attributes.uv1,u=r.attributes.normal,f=r.groups,p=r.drawRange;if(a!==null)if(Array.isArray(o))for(let g=0,x=f.length;g<x;g++){let m=f[g],d=o[m.materialIndex],_=Math.max(m.start,p.start),w=Math.min(a.count,Math.min(m.start+m.count,p.start+p.count));for(let b=_,E=w;b<E;b+=3){let S=a.getX(b),y=a.getX(b+1),M=a.getX(b+2);s=sc(this,d,e,n,c,h,u,S,y,M),s&&(s.faceIndex=Math.floor(b/3),s.face.materialIndex=m.materialIndex,t.push(s))}}else{let g=Math.max(0,p.start),x=Math.min(a.count,p.start+p.count);for(let m=g,d=x;m<d;m+=3){let _=a.getX(m),w=a.getX(m+1),b=a.getX(m+2);s=sc(this,o,e,n,c,h,u,_,w,b),s&&(s.faceIndex=Math.floor(m/3),t.push(s))}}else if(l!==void 0)if(Array.isArray(o))for(let g=0,x=f.length;g<x;g++){let m=f[g],d=o[m.materialIndex],_=Math.max(m.start,p.start),w=Math.min(l.count,Math.min(m.start+m.count,p.start+p.count));for(let b=_,E=w;b<E;b+=3){let S=b,y=b+1,M=b+2;s=sc(this,d,e,n,c,h,u,S,y,M),s&&(s.faceIndex=Math.floor(b/3),s.face.materialIndex=m.materialIndex,t.push(s))}}else{let g=Math.max(0,p.start),x=Math.min(l.count,p.start+p.count);for(let m=g,d=x;m<d;m+=3){let _=m,w=m+1,b=m+2;s=sc(this,o,e,n,c,h,u,_,w,b),s&&(s.faceIndex=Math.floor(m/3),t.push(s))}}}};function Vb(i,e,t,n,s,r,o,a){let l;if(e.side===ai?l=n.intersectTriangle(o,r,s,!0,a):l=n.intersectTriangle(s,r,o,e.side===cr,a),l===null)return null;ic.copy(a),ic.applyMatrix4(i.matrixWorld);let c=t.ray.origin.distanceTo(ic);return c<t.near||c>t.far?null:{distance:c,point:ic.clone(),object:i}}function sc(i,e,t,n,s,r,o,a,l,c){i.getVertexPosition(a,Ql),i.getVertexPosition(l,ec),i.getVertexPosition(c,tc);let h=Vb(i,e,t,n,Ql,ec,tc,bg);if(h){let u=new F;Is.getBarycoord(bg,Ql,ec,tc,u),s&&(h.uv=Is.getInterpolatedAttribute(s,a,l,c,u,new qe)),r&&(h.uv1=Is.getInterpolatedAttribute(r,a,l,c,u,new qe)),o&&(h.normal=Is.getInterpolatedAttribute(o,a,l,c,u,new F),h.normal.dot(n.direction)>0&&h.normal.multiplyScalar(-1));let f={a,b:l,c,normal:new F,materialIndex:0};Is.getNormal(Ql,ec,tc,f.normal),h.face=f,h.barycoord=u}return h}var Ic=class extends li{constructor(e=null,t=1,n=1,s,r,o,a,l,c=kn,h=kn,u,f){super(null,o,a,l,c,h,s,r,u,f),this.isDataTexture=!0,this.image={data:e,width:t,height:n},this.generateMipmaps=!1,this.flipY=!1,this.unpackAlignment=1}};var Rr=new Ir,Hb=new qe(.5,.5),rc=new F,er=class{constructor(e=new Zn,t=new Zn,n=new Zn,s=new Zn,r=new Zn,o=new Zn){this.planes=[e,t,n,s,r,o]}set(e,t,n,s,r,o){let a=this.planes;return a[0].copy(e),a[1].copy(t),a[2].copy(n),a[3].copy(s),a[4].copy(r),a[5].copy(o),this}copy(e){let t=this.planes;for(let n=0;n<6;n++)t[n].copy(e.planes[n]);return this}setFromProjectionMatrix(e,t=Ui,n=!1){let s=this.planes,r=e.elements,o=r[0],a=r[1],l=r[2],c=r[3],h=r[4],u=r[5],f=r[6],p=r[7],g=r[8],x=r[9],m=r[10],d=r[11],_=r[12],w=r[13],b=r[14],E=r[15];if(s[0].setComponents(c-o,p-h,d-g,E-_).normalize(),s[1].setComponents(c+o,p+h,d+g,E+_).normalize(),s[2].setComponents(c+a,p+u,d+x,E+w).normalize(),s[3].setComponents(c-a,p-u,d-x,E-w).normalize(),n)s[4].setComponents(l,f,m,b).normalize(),s[5].setComponents(c-l,p-f,d-m,E-b).normalize();else if(s[4].setComponents(c-l,p-f,d-m,E-b).normalize(),t===Ui)s[5].setComponents(c+l,p+f,d+m,E+b).normalize();else if(t===Io)s[5].setComponents(l,f,m,b).normalize();else throw new Error("THREE.Frustum.setFromProjectionMatrix(): Invalid coordinate system: "+t);return this}intersectsObject(e){if(e.boundingSphere!==void 0)e.boundingSphere===null&&e.computeBoundingSphere(),Rr.copy(e.boundingSphere).applyMatrix4(e.matrixWorld);else{let t=e.geometry;t.boundingSphere===null&&t.computeBoundingSphere(),Rr.copy(t.boundingSphere).applyMatrix4(e.matrixWorld)}return this.intersectsSphere(Rr)}intersectsSprite(e){Rr.center.set(0,0,0);let t=Hb.distanceTo(e.center);return Rr.radius=.7071067811865476+t,Rr.applyMatrix4(e.matrixWorld),this.intersectsSphere(Rr)}intersectsSphere(e){let t=this.planes,n=e.center,s=-e.radius;for(let r=0;r<6;r++)if(t[r].distanceToPoint(n)<s)return!1;return!0}intersectsBox(e){let t=this.planes;for(let n=0;n<6;n++){let s=t[n];if(rc.x=s.normal.x>0?e.max.x:e.min.x,rc.y=s.normal.y>0?e.max.y:e.min.y,rc.z=s.normal.z>0?e.max.z:e.min.z,s.distanceToPoint(rc)<0)return!1}return!0}containsPoint(e){let t=this.planes;for(let n=0;n<6;n++)if(t[n].distanceToPoint(e)<0)return!1;return!0}clone(){return new this.constructor().copy(this)}},Mg=new Xt,Pc=class i{constructor(){this.coordinateSystem=Ui,this._frustums=[],this._count=0}setFromArrayCamera(e){let t=e.cameras,n=this._frustums;for(let s=0;s<t.length;s++){let r=t[s];Mg.multiplyMatrices(r.projectionMatrix,r.matrixWorldInverse),n[s]===void 0&&(n[s]=new er),n[s].setFromProjectionMatrix(Mg,r.coordinateSystem,r.reversedDepth)}return this._count=t.length,this}getFrustum(e){return this._frustums[e]}intersectsObject(e){let t=this._frustums;for(let n=0;n<this._count;n++)if(t[n].intersectsObject(e))return!0;return!1}intersectsSprite(e){let t=this._frustums;for(let n=0;n<this._count;n++)if(t[n].intersectsSprite(e))return!0;return!1}intersectsSphere(e){let t=this._frustums;for(let n=0;n<this._count;n++)if(t[n].intersectsSphere(e))return!0;return!1}intersectsBox(e){let t=this._frustums;for(let n=0;n<this._count;n++)if(t[n].intersectsBox(e))return!0;return!1}containsPoint(e){let t=this._frustums;for(let n=0;n<this._count;n++)if(t[n].containsPoint(e))return!0;return!1}copy(e){this.coordinateSystem=e.coordinateSystem;let t=this._frustums,n=e._frustums;for(let s=0;s<e._count;s++)t[s]===void 0&&(t[s]=new er),t[s].copy(n[s]);return this._count=e._count,this}clone(){return new i().copy(this)}};var oi=class extends Ns{constructor(e){super(),this.isLineBasicMaterial=!0,this.type="LineBasicMaterial",this.color=new ut(16777215),this.map=null,this.linewidth=1,this.linecap="round",this.linejoin="round",this.fog=!0,this.setValues(e)}copy(e){return super.copy(e),this.color.copy(e.color),this.map=e.map,this.linewidth=e.linewidth,this.linecap=e.linecap,this.linejoin=e.linejoin,this.fog=e.fog,this}},Lc=new F,Dc=new F,Sg=new Xt,Sa=new Qs,oc=new Ir,Af=new F,wg=new F,tr=class extends Hn{constructor(e=new gt,t=new oi){super(),this.isLine=!0,this.type="Line",this.geometry=e,this.material=t,this.morphTargetDictionary=void 0,this.morphTargetInfluences=void 0,this.updateMorphTargets()}copy(e,t){return super.copy(e,t),e.morphTargetInfluences!==void 0?this.morphTargetInfluences=e.morphTargetInfluences.slice():this.morphTargetInfluences=void 0,e.morphTargetDictionary!==void 0?this.morphTargetDictionary=Object.assign({},e.morphTargetDictionary):this.morphTargetDictionary=void 0,this.material=Array.isArray(e.material)?e.material.slice():e.material,this.geometry=e.geometry,this}computeLineDistances(){let e=this.geometry;if(e.index===null){let t=e.attributes.position,n=[0];for(let s=1,r=t.count;s<r;s++)Lc.fromBufferAttribute(t,s-1),Dc.fromBufferAttribute(t,s),n[s]=n[s-1],n[s]+=Lc.distanceTo(Dc);e.setAttribute("lineDistance",new It(n,1))}else Ye("Line.computeLineDistances(): Computation only possible with non-indexed BufferGeometry.");return this}intersectsFrustum(e){return e.intersectsObject(this)}raycast(e,t){let n=this.geometry,s=this.matrixWorld,r=e.params.Line.threshold,o=n.drawRange;if(n.boundingSphere===null&&n.computeBoundingSphere(),oc.copy(n.boundingSphere),oc.applyMatrix4(s),oc.radius+=r,e.ray.intersectsSphere(oc)===!1)return;Sg.copy(s).invert(),Sa.copy(e.ray).applyMatrix4(Sg);let a=r/((this.scale.x+this.scale.y+this.scale.z)/3),l=a*a,c=this.isLineSegments?2:1,h=n.index,f=n.attributes.position;if(h!==null){let p=Math.max(0,o.start),g=Math.min(h.count,o.start+o.count);for(let x=p,m=g-1;x<m;x+=c){let d=h.getX(x),_=h.getX(x+1),w=ac(this,e,Sa,l,d,_,x);w&&t.push(w)}if(this.isLineLoop){let x=h.getX(g-1),m=h.getX(p),d=ac(this,e,Sa,l,x,m,g-1);d&&t.push(d)}}else{let p=Math.max(0,o.start),g=Math.min(f.count,o.start+o.count);for(let x=p,m=g-1;x<m;x+=c){let d=ac(this,e,Sa,l,x,x+1,x);d&&t.push(d)}if(this.isLineLoop){let x=ac(this,e,Sa,l,g-1,p,g-1);x&&t.push(x)}}}updateMorphTargets(){let t=this.geometry.morphAttributes,n=Object.keys(t);if(n.length>0){let s=t[n[0]];if(s!==void 0){this.morphTargetInfluences=[],this.morphTargetDictionary={};for(let r=0,o=s.length;r<o;r++){let a=s[r].name||String(r);this.morphTargetInfluences.push(0),this.morphTargetDictionary[a]=r}}}}};function ac(i,e,t,n,s,r,o){let a=i.geometry.attributes.position;if(Lc.fromBufferAttribute(a,s),Dc.fromBufferAttribute(a,r),t.distanceSqToSegment(Lc,Dc,Af,wg)>n)return;Af.applyMatrix4(i.matrixWorld);let c=e.ray.origin.distanceTo(Af);if(!(c<e.near||c>e.far))return{distance:c,point:wg.clone().applyMatrix4(i.matrixWorld),index:o,face:null,faceIndex:null,barycoord:null,object:i}}var Ag=new F,Eg=new F,Ei=class extends tr{constructor(e,t){super(e,t),this.isLineSegments=!0,this.type="LineSegments"}computeLineDistances(){let e=this.geometry;if(e.index===null){let t=e.attributes.position,n=[];for(let s=0,r=t.count;s<r;s+=2)Ag.fromBufferAttribute(t,s),Eg.fromBufferAttribute(t,s+1),n[s]=s===0?0:n[s-1],n[s+1]=n[s]+Ag.distanceTo(Eg);e.setAttribute("lineDistance",new It(n,1))}else Ye("LineSegments.computeLineDistances(): Computation only possible with non-indexed BufferGeometry.");return this}};var Ua=class extends li{constructor(e=[],t=Ur,n,s,r,o,a,l,c,h){super(e,t,n,s,r,o,a,l,c,h),this.isCubeTexture=!0,this.flipY=!1}get images(){return this.image}set images(e){this.image=e}};var Us=class extends li{constructor(e,t,n=Ji,s,r,o,a=kn,l=kn,c,h=Ls,u=1){if(h!==Ls&&h!==Os)throw new Error("THREE.DepthTexture: format must be either THREE.DepthFormat or THREE.DepthStencilFormat");let f={width:e,height:t,depth:u};super(f,s,r,o,a,l,h,n,c),this.isDepthTexture=!0,this.flipY=!1,this.generateMipmaps=!1,this.compareFunction=null}copy(e){return super.copy(e),this.source=new Do(Object.assign({},e.image)),this.compareFunction=e.compareFunction,this}toJSON(e){let t=super.toJSON(e);return t.compareFunction=this.compareFunction,t}},Fa=class extends Us{constructor(e,t=Ji,n=Ur,s,r,o=kn,a=kn,l,c=Ls){let h={width:e,height:e,depth:1},u=[h,h,h,h,h,h];super(e,e,t,n,s,r,o,a,l,c),this.image=u,this.isCubeDepthTexture=!0,this.isCubeTexture=!0}get images(){return this.image}set images(e){this.image=e}},Oa=class extends li{constructor(e=null){super(),this.sourceTexture=e,this.isExternalTexture=!0}copy(e){return super.copy(e),this.sourceTexture=e.sourceTexture,this}},nr=class i extends gt{constructor(e=1,t=1,n=1,s=1,r=1,o=1){super(),this.type="BoxGeometry",this.parameters={width:e,height:t,depth:n,widthSegments:s,heightSegments:r,depthSegments:o};let a=this;s=Math.floor(s),r=Math.floor(r),o=Math.floor(o);let l=[],c=[],h=[],u=[],f=0,p=0;g("z","y","x",-1,-1,n,t,e,o,r,0),g("z","y","x",1,-1,n,t,-e,o,r,1),g("x","z","y",1,1,e,n,t,s,o,2),g("x","z","y",1,-1,e,n,-t,s,o,3),g("x","y","z",1,-1,e,t,n,s,r,4),g("x","y","z",-1,-1,e,t,-n,s,r,5),this.setIndex(l),this.setAttribute("position",new It(c,3)),this.setAttribute("normal",new It(h,3)),this.setAttribute("uv",new It(u,2));function g(x,m,d,_,w,b,E,S,y,M,I){let R=b/y,P=E/M,O=b/2,V=E/2,L=S/2,B=y+1,X=M+1,G=0,ae=0,Z=new F;for(let j=0;j<X;j++){let ne=j*P-V;for(let fe=0;fe<B;fe++){let ue=fe*R-O;Z[x]=ue*_,Z[m]=ne*w,Z[d]=L,c.push(Z.x,Z.y,Z.z),Z[x]=0,Z[m]=0,Z[d]=S>0?1:-1,h.push(Z.x,Z.y,Z.z),u.push(fe/y),u.push(1-j/M),G+=1}}for(let j=0;j<M;j++)for(let ne=0;ne<y;ne++){let fe=f+ne+B*j,ue=f+ne+B*(j+1),Q=f+(ne+1)+B*(j+1),me=f+(ne+1)+B*j;l.push(fe,ue,me),l.push(ue,Q,me),ae+=6}a.addGroup(p,ae,I),p+=ae,f+=G}}copy(e){return super.copy(e),this.parameters=Object.assign({},e.parameters),this}static fromJSON(e){return new i(e.width,e.height,e.depth,e.widthSegments,e.heightSegments,e.depthSegments)}},Ba=class i extends gt{constructor(e=1,t=1,n=4,s=8,r=1){super(),this.type="CapsuleGeometry",this.parameters={radius:e,height:t,capSegments:n,radialSegments:s,heightSegments:r},t=Math.max(0,t),n=Math.max(1,Math.floor(n)),s=Math.max(3,Math.floor(s)),r=Math.max(1,Math.floor(r));let o=[],a=[],l=[],c=[],h=t/2,u=Math.PI/2*e,f=t,p=2*u+f,g=n*2+r,x=s+1,m=new F,d=new F;for(let _=0;_<=g;_++){let w=0,b=0,E=0,S=0;if(_<=n){let I=_/n,R=I*Math.PI/2;b=-h-e*Math.cos(R),E=e*Math.sin(R),S=-e*Math.cos(R),w=I*u}else if(_<=n+r){let I=(_-n)/r;b=-h+I*t,E=e,S=0,w=u+I*f}else{let I=(_-n-r)/n,R=I*Math.PI/2;b=h+e*Math.sin(R),E=e*Math.cos(R),S=e*Math.sin(R),w=u+f+I*u}let y=Math.max(0,Math.min(1,w/p)),M=0;_===0?M=.5/s:_===g&&(M=-.5/s);for(let I=0;I<=s;I++){let R=I/s,P=R*Math.PI*2,O=Math.sin(P),V=Math.cos(P);d.x=-E*V,d.y=b,d.z=E*O,a.push(d.x,d.y,d.z),m.set(-E*V,S,E*O),m.normalize(),l.push(m.x,m.y,m.z),c.push(R+M,y)}if(_>0){let I=(_-1)*x;for(let R=0;R<s;R++){let P=I+R,O=I+R+1,V=_*x+R,L=_*x+R+1;o.push(P,O,V),o.push(O,L,V)}}}this.setIndex(o),this.setAttribute("position",new It(a,3)),this.setAttribute("normal",new It(l,3)),this.setAttribute("uv",new It(c,2))}copy(e){return super.copy(e),this.parameters=Object.assign({},e.parameters),this}static fromJSON(e){return new i(e.radius,e.height,e.capSegments,e.radialSegments,e.heightSegments)}};var Fo=class i extends gt{constructor(e=1,t=1,n=1,s=32,r=1,o=!1,a=0,l=Math.PI*2){super(),this.type="CylinderGeometry",this.parameters={radiusTop:e,radiusBottom:t,height:n,radialSegments:s,heightSegments:r,openEnded:o,thetaStart:a,thetaLength:l};let c=this;s=Math.floor(s),r=Math.floor(r);let h=[],u=[],f=[],p=[],g=0,x=[],m=n/2,d=0;_(),o===!1&&(e>0&&w(!0),t>0&&w(!1)),this.setIndex(h),this.setAttribute("position",new It(u,3)),this.setAttribute("normal",new It(f,3)),this.setAttribute("uv",new It(p,2));function _(){let b=new F,E=new F,S=0,y=(t-e)/n;for(let M=0;M<=r;M++){let I=[],R=M/r,P=R*(t-e)+e;for(let O=0;O<=s;O++){let V=O/s,L=V*l+a,B=Math.sin(L),X=Math.cos(L);E.x=P*B,E.y=-R*n+m,E.z=P*X,u.push(E.x,E.y,E.z),b.set(B,y,X).normalize(),f.push(b.x,b.y,b.z),p.push(V,1-R),I.push(g++)}x.push(I)}for(let M=0;M<s;M++)for(let I=0;I<r;I++){let R=x[I][M],P=x[I+1][M],O=x[I+1][M+1],V=x[I][M+1];(e>0||I!==0)&&(h.push(R,P,V),S+=3),(t>0||I!==r-1)&&(h.push(P,O,V),S+=3)}c.addGroup(d,S,0),d+=S}function w(b){let E=g,S=new qe,y=new F,M=0,I=b===!0?e:t,R=b===!0?1:-1;for(let O=1;O<=s;O++)u.push(0,m*R,0),f.push(0,R,0),p.push(.5,.5),g++;let P=g;for(let O=0;O<=s;O++){let L=O/s*l+a,B=Math.cos(L),X=Math.sin(L);y.x=I*X,y.y=m*R,y.z=I*B,u.push(y.x,y.y,y.z),f.push(0,R,0),S.x=B*.5+.5,S.y=X*.5*R+.5,p.push(S.x,S.y),g++}for(let O=0;O<s;O++){let V=E+O,L=P+O;b===!0?h.push(L,L+1,V):h.push(L+1,L,V),M+=3}c.addGroup(d,M,b===!0?1:2),d+=M}}copy(e){return super.copy(e),this.parameters=Object.assign({},e.parameters),this}static fromJSON(e){return new i(e.radiusTop,e.radiusBottom,e.height,e.radialSegments,e.heightSegments,e.openEnded,e.thetaStart,e.thetaLength)}},Pr=class i extends Fo{constructor(e=1,t=1,n=32,s=1,r=!1,o=0,a=Math.PI*2){super(0,e,t,n,s,r,o,a),this.type="ConeGeometry",this.parameters={radius:e,height:t,radialSegments:n,heightSegments:s,openEnded:r,thetaStart:o,thetaLength:a}}static fromJSON(e){return new i(e.radius,e.height,e.radialSegments,e.heightSegments,e.openEnded,e.thetaStart,e.thetaLength)}},Nc=class i extends gt{constructor(e=[],t=[],n=1,s=0){super(),this.type="PolyhedronGeometry",this.parameters={vertices:e,indices:t,radius:n,detail:s};let r=[],o=[];a(s),c(n),h(),this.setAttribute("position",new It(r,3)),this.setAttribute("normal",new It(r.slice(),3)),this.setAttribute("uv",new It(o,2)),s===0?this.computeVertexNormals():this.normalizeNormals();function a(_){let w=new F,b=new F,E=new F;for(let S=0;S<t.length;S+=3)p(t[S+0],w),p(t[S+1],b),p(t[S+2],E),l(w,b,E,_)}function l(_,w,b,E){let S=E+1,y=[];for(let M=0;M<=S;M++){y[M]=[];let I=_.clone().lerp(b,M/S),R=w.clone().lerp(b,M/S),P=S-M;for(let O=0;O<=P;O++)O===0&&M===S?y[M][O]=I:y[M][O]=I.clone().lerp(R,O/P)}for(let M=0;M<S;M++)for(let I=0;I<2*(S-M)-1;I++){let R=Math.floor(I/2);I%2===0?(f(y[M][R+1]),f(y[M+1][R]),f(y[M][R])):(f(y[M][R+1]),f(y[M+1][R+1]),f(y[M+1][R]))}}function c(_){let w=new F;for(let b=0;b<r.length;b+=3)w.x=r[b+0],w.y=r[b+1],w.z=r[b+2],w.normalize().multiplyScalar(_),r[b+0]=w.x,r[b+1]=w.y,r[b+2]=w.z}function h(){let _=new F;for(let w=0;w<r.length;w+=3){_.x=r[w+0],_.y=r[w+1],_.z=r[w+2];let b=m(_)/2/Math.PI+.5,E=d(_)/Math.PI+.5;o.push(b,1-E)}g(),u()}function u(){for(let _=0;_<o.length;_+=6){let w=o[_+0],b=o[_+2],E=o[_+4],S=Math.max(w,b,E),y=Math.min(w,b,E);S>.9&&y<.1&&(w<.2&&(o[_+0]+=1),b<.2&&(o[_+2]+=1),E<.2&&(o[_+4]+=1))}}function f(_){r.push(_.x,_.y,_.z)}function p(_,w){let b=_*3;w.x=e[b+0],w.y=e[b+1],w.z=e[b+2]}function g(){let _=new F,w=new F,b=new F,E=new F,S=new qe,y=new qe,M=new qe;for(let I=0,R=0;I<r.length;I+=9,R+=6){_.set(r[I+0],r[I+1],r[I+2]),w.set(r[I+3],r[I+4],r[I+5]),b.set(r[I+6],r[I+7],r[I+8]),S.set(o[R+0],o[R+1]),y.set(o[R+2],o[R+3]),M.set(o[R+4],o[R+5]),E.copy(_).add(w).add(b).divideScalar(3);let P=m(E);x(S,R+0,_,P),x(y,R+2,w,P),x(M,R+4,b,P)}}function x(_,w,b,E){E<0&&_.x===1&&(o[w]=_.x-1),b.x===0&&b.z===0&&(o[w]=E/2/Math.PI+.5)}function m(_){return Math.atan2(_.z,-_.x)}function d(_){return Math.atan2(-_.y,Math.sqrt(_.x*_.x+_.z*_.z))}}copy(e){return super.copy(e),this.parameters=Object.assign({},e.parameters),this}static fromJSON(e){return new i(e.vertices,e.indices,e.radius,e.detail)}};var lc=new F,cc=new F,Ef=new F,hc=new Is,ka=class extends gt{constructor(e=null,t=1){if(super(),this.type="EdgesGeometry",this.parameters={geometry:e,thresholdAngle:t},e!==null){let s=Math.pow(10,4),r=Math.cos(To*t),o=e.getIndex(),a=e.getAttribute("position"),l=o?o.count:a.count,c=[0,0,0],h=["a","b","c"],u=new Array(3),f=new Map,p=[];for(let g=0;g<l;g+=3){o?(c[0]=o.getX(g),c[1]=o.getX(g+1),c[2]=o.getX(g+2)):(c[0]=g,c[1]=g+1,c[2]=g+2);let{a:x,b:m,c:d}=hc;if(x.fromBufferAttribute(a,c[0]),m.fromBufferAttribute(a,c[1]),d.fromBufferAttribute(a,c[2]),hc.getNormal(Ef),u[0]=`${Math.round(x.x*s)},${Math.round(x.y*s)},${Math.round(x.z*s)}`,u[1]=`${Math.round(m.x*s)},${Math.round(m.y*s)},${Math.round(m.z*s)}`,u[2]=`${Math.round(d.x*s)},${Math.round(d.y*s)},${Math.round(d.z*s)}`,!(u[0]===u[1]||u[1]===u[2]||u[2]===u[0]))for(let _=0;_<3;_++){let w=(_+1)%3,b=u[_],E=u[w],S=hc[h[_]],y=hc[h[w]],M=`${b}_${E}`,I=`${E}_${b}`,R=f.get(I);R?(Ef.dot(R.normal)<=r&&(p.push(S.x,S.y,S.z),p.push(y.x,y.y,y.z)),f.set(I,null)):f.has(M)||f.set(M,{index0:c[_],index1:c[w],normal:Ef.clone()})}}for(let g of f.values())if(g){let{index0:x,index1:m}=g;lc.fromBufferAttribute(a,x),cc.fromBufferAttribute(a,m),p.push(lc.x,lc.y,lc.z),p.push(cc.x,cc.y,cc.z)}this.setAttribute("position",new It(p,3))}}copy(e){return super.copy(e),this.parameters=Object.assign({},e.parameters),this}};var Lr=class i extends Nc{constructor(e=1,t=0){let n=[1,0,0,-1,0,0,0,1,0,0,-1,0,0,0,1,0,0,-1],s=[0,2,4,0,4,3,0,3,5,0,5,2,1,2,5,1,5,3,1,3,4,1,4,2];super(n,s,e,t),this.type="OctahedronGeometry",this.parameters={radius:e,detail:t}}static fromJSON(e){return new i(e.radius,e.detail)}},za=class i extends gt{constructor(e=1,t=1,n=1,s=1){super(),this.type="PlaneGeometry",this.parameters={width:e,height:t,widthSegments:n,heightSegments:s};let r=e/2,o=t/2,a=Math.floor(n),l=Math.floor(s),c=a+1,h=l+1,u=e/a,f=t/l,p=[],g=[],x=[],m=[];for(let d=0;d<h;d++){let _=d*f-o;for(let w=0;w<c;w++){let b=w*u-r;g.push(b,-_,0),x.push(0,0,1),m.push(w/a),m.push(1-d/l)}}for(let d=0;d<l;d++)for(let _=0;_<a;_++){let w=_+c*d,b=_+c*(d+1),E=_+1+c*(d+1),S=_+1+c*d;p.push(w,b,S),p.push(b,E,S)}this.setIndex(p),this.setAttribute("position",new It(g,3)),this.setAttribute("normal",new It(x,3)),this.setAttribute("uv",new It(m,2))}copy(e){return super.copy(e),this.parameters=Object.assign({},e.parameters),this}static fromJSON(e){return new i(e.width,e.height,e.widthSegments,e.heightSegments)}};var Ti=class i extends gt{constructor(e=1,t=32,n=16,s=0,r=Math.PI*2,o=0,a=Math.PI){super(),this.type="SphereGeometry",this.parameters={radius:e,widthSegments:t,heightSegments:n,phiStart:s,phiLength:r,thetaStart:o,thetaLength:a},t=Math.max(3,Math.floor(t)),n=Math.max(2,Math.floor(n));let l=Math.min(o+a,Math.PI),c=0,h=[],u=new F,f=new F,p=[],g=[],x=[],m=[];for(let d=0;d<=n;d++){let _=[],w=d/n,b=o+w*a,E=e*Math.cos(b),S=Math.sqrt(e*e-E*E),y=0;d===0&&o===0?y=.5/t:d===n&&l===Math.PI&&(y=-.5/t);for(let M=0;M<=t;M++){let I=M/t,R=s+I*r;u.x=-S*Math.cos(R),u.y=E,u.z=S*Math.sin(R),g.push(u.x,u.y,u.z),f.copy(u).normalize(),x.push(f.x,f.y,f.z),m.push(I+y,1-w),_.push(c++)}h.push(_)}for(let d=0;d<n;d++)for(let _=0;_<t;_++){let w=h[d][_+1],b=h[d][_],E=h[d+1][_],S=h[d+1][_+1];(d!==0||o>0)&&p.push(w,b,S),(d!==n-1||l<Math.PI)&&p.push(b,E,S)}this.setIndex(p),this.setAttribute("position",new It(g,3)),this.setAttribute("normal",new It(x,3)),this.setAttribute("uv",new It(m,2))}copy(e){return super.copy(e),this.parameters=Object.assign({},e.parameters),this}static fromJSON(e){return new i(e.radius,e.widthSegments,e.heightSegments,e.phiStart,e.phiLength,e.thetaStart,e.thetaLength)}};var ir=class i extends gt{constructor(e=1,t=.4,n=12,s=48,r=Math.PI*2,o=0,a=Math.PI*2){super(),this.type="TorusGeometry",this.parameters={radius:e,tube:t,radialSegments:n,tubularSegments:s,arc:r,thetaStart:o,thetaLength:a},n=Math.floor(n),s=Math.floor(s);let l=[],c=[],h=[],u=[],f=new F,p=new F,g=new F;for(let x=0;x<=n;x++){let m=o+x/n*a;for(let d=0;d<=s;d++){let _=d/s*r;p.x=(e+t*Math.cos(m))*Math.cos(_),p.y=(e+t*Math.cos(m))*Math.sin(_),p.z=t*Math.sin(m),c.push(p.x,p.y,p.z),f.x=e*Math.cos(_),f.y=e*Math.sin(_),g.subVectors(p,f).normalize(),h.push(g.x,g.y,g.z),u.push(d/s),u.push(x/n)}}for(let x=1;x<=n;x++)for(let m=1;m<=s;m++){let d=(s+1)*x+m-1,_=(s+1)*(x-1)+m-1,w=(s+1)*(x-1)+m,b=(s+1)*x+m;l.push(d,_,b),l.push(_,w,b)}this.setIndex(l),this.setAttribute("position",new It(c,3)),this.setAttribute("normal",new It(h,3)),this.setAttribute("uv",new It(u,2))}copy(e){return super.copy(e),this.parameters=Object.assign({},e.parameters),this}static fromJSON(e){return new i(e.radius,e.tube,e.radialSegments,e.tubularSegments,e.arc,e.thetaStart,e.thetaLength)}};function Or(i){let e={};for(let t in i){e[t]={};for(let n in i[t]){let s=i[t][n];if(Tg(s))s.isRenderTargetTexture?(Ye("UniformsUtils: Textures of render targets cannot be cloned via cloneUniforms() or mergeUniforms()."),e[t][n]=null):e[t][n]=s.clone();else if(Array.isArray(s))if(Tg(s[0])){let r=[];for(let o=0,a=s.length;o<a;o++)r[o]=s[o].clone();e[t][n]=r}else e[t][n]=s.slice();else e[t][n]=s}}return e}function Kn(i){let e={};for(let t=0;t<i.length;t++){let n=Or(i[t]);for(let s in n)e[s]=n[s]}return e}function Tg(i){return i&&(i.isColor||i.isMatrix3||i.isMatrix4||i.isVector2||i.isVector3||i.isVector4||i.isTexture||i.isQuaternion)}function Gb(i){let e=[];for(let t=0;t<i.length;t++)e.push(i[t].clone());return e}function dd(i){let e=i.getRenderTarget();return e===null?i.outputColorSpace:e.isXRRenderTarget===!0?e.texture.colorSpace:vt.workingColorSpace}var S0={clone:Or,merge:Kn},Wb=`void main() {
+	gl_Position = projectionMatrix * modelViewMatrix * vec4( position, 1.0 );
+}`,Xb=`void main() {
+	gl_FragColor = vec4( 1.0, 0.0, 0.0, 1.0 );
+}`,ps=class extends Ns{constructor(e){super(),this.isShaderMaterial=!0,this.type="ShaderMaterial",this.defines={},this.uniforms={},this.uniformsGroups=[],this.vertexShader=Wb,this.fragmentShader=Xb,this.linewidth=1,this.wireframe=!1,this.wireframeLinewidth=1,this.fog=!1,this.lights=!1,this.clipping=!1,this.forceSinglePass=!0,this.extensions={clipCullDistance:!1,multiDraw:!1},this.defaultAttributeValues={color:[1,1,1],uv:[0,0],uv1:[0,0]},this.index0AttributeName=void 0,this.uniformsNeedUpdate=!1,this.glslVersion=null,e!==void 0&&this.setValues(e)}copy(e){return super.copy(e),this.fragmentShader=e.fragmentShader,this.vertexShader=e.vertexShader,this.uniforms=Or(e.uniforms),this.uniformsGroups=Gb(e.uniformsGroups),this.defines=Object.assign({},e.defines),this.wireframe=e.wireframe,this.wireframeLinewidth=e.wireframeLinewidth,this.fog=e.fog,this.lights=e.lights,this.clipping=e.clipping,this.extensions=Object.assign({},e.extensions),this.glslVersion=e.glslVersion,this.defaultAttributeValues=Object.assign({},e.defaultAttributeValues),this.index0AttributeName=e.index0AttributeName,this.uniformsNeedUpdate=e.uniformsNeedUpdate,this}toJSON(e){let t=super.toJSON(e);t.glslVersion=this.glslVersion,t.uniforms={};for(let s in this.uniforms){let o=this.uniforms[s].value;o&&o.isTexture?t.uniforms[s]={type:"t",value:o.toJSON(e).uuid}:o&&o.isColor?t.uniforms[s]={type:"c",value:o.getHex()}:o&&o.isVector2?t.uniforms[s]={type:"v2",value:o.toArray()}:o&&o.isVector3?t.uniforms[s]={type:"v3",value:o.toArray()}:o&&o.isVector4?t.uniforms[s]={type:"v4",value:o.toArray()}:o&&o.isMatrix3?t.uniforms[s]={type:"m3",value:o.toArray()}:o&&o.isMatrix4?t.uniforms[s]={type:"m4",value:o.toArray()}:t.uniforms[s]={value:o}}Object.keys(this.defines).length>0&&(t.defines=this.defines),t.vertexShader=this.vertexShader,t.fragmentShader=this.fragmentShader,t.lights=this.lights,t.clipping=this.clipping;let n={};for(let s in this.extensions)this.extensions[s]===!0&&(n[s]=!0);return Object.keys(n).length>0&&(t.extensions=n),t}fromJSON(e,t){if(super.fromJSON(e,t),e.uniforms!==void 0)for(let n in e.uniforms){let s=e.uniforms[n];switch(this.uniforms[n]={},s.type){case"t":this.uniforms[n].value=t[s.value]||null;break;case"c":this.uniforms[n].value=new ut().setHex(s.value);break;case"v2":this.uniforms[n].value=new qe().fromArray(s.value);break;case"v3":this.uniforms[n].value=new F().fromArray(s.value);break;case"v4":this.uniforms[n].value=new en().fromArray(s.value);break;case"m3":this.uniforms[n].value=new nt().fromArray(s.value);break;case"m4":this.uniforms[n].value=new Xt().fromArray(s.value);break;default:this.uniforms[n].value=s.value}}if(e.defines!==void 0&&(this.defines=e.defines),e.vertexShader!==void 0&&(this.vertexShader=e.vertexShader),e.fragmentShader!==void 0&&(this.fragmentShader=e.fragmentShader),e.glslVersion!==void 0&&(this.glslVersion=e.glslVersion),e.extensions!==void 0)for(let n in e.extensions)this.extensions[n]=e.extensions[n];return e.lights!==void 0&&(this.lights=e.lights),e.clipping!==void 0&&(this.clipping=e.clipping),this}},Uc=class extends ps{constructor(e){super(e),this.isRawShaderMaterial=!0,this.type="RawShaderMaterial"}};var ci=class extends Ns{constructor(e){super(),this.isMeshLambertMaterial=!0,this.type="MeshLambertMaterial",this.color=new ut(16777215),this.map=null,this.lightMap=null,this.lightMapIntensity=1,this.aoMap=null,this.aoMapIntensity=1,this.emissive=new ut(0),this.emissiveIntensity=1,this.emissiveMap=null,this.bumpMap=null,this.bumpScale=1,this.normalMap=null,this.normalMapType=Fh,this.normalScale=new qe(1,1),this.displacementMap=null,this.displacementScale=1,this.displacementBias=0,this.specularMap=null,this.alphaMap=null,this.envMap=null,this.envMapRotation=new Ds,this.combine=Kc,this.reflectivity=1,this.envMapIntensity=1,this.refractionRatio=.98,this.wireframe=!1,this.wireframeLinewidth=1,this.wireframeLinecap="round",this.wireframeLinejoin="round",this.flatShading=!1,this.fog=!0,this.setValues(e)}copy(e){return super.copy(e),this.color.copy(e.color),this.map=e.map,this.lightMap=e.lightMap,this.lightMapIntensity=e.lightMapIntensity,this.aoMap=e.aoMap,this.aoMapIntensity=e.aoMapIntensity,this.emissive.copy(e.emissive),this.emissiveMap=e.emissiveMap,this.emissiveIntensity=e.emissiveIntensity,this.bumpMap=e.bumpMap,this.bumpScale=e.bumpScale,this.normalMap=e.normalMap,this.normalMapType=e.normalMapType,this.normalScale.copy(e.normalScale),this.displacementMap=e.displacementMap,this.displacementScale=e.displacementScale,this.displacementBias=e.displacementBias,this.specularMap=e.specularMap,this.alphaMap=e.alphaMap,this.envMap=e.envMap,this.envMapRotation.copy(e.envMapRotation),this.combine=e.combine,this.reflectivity=e.reflectivity,this.envMapIntensity=e.envMapIntensity,this.refractionRatio=e.refractionRatio,this.wireframe=e.wireframe,this.wireframeLinewidth=e.wireframeLinewidth,this.wireframeLinecap=e.wireframeLinecap,this.wireframeLinejoin=e.wireframeLinejoin,this.flatShading=e.flatShading,this.fog=e.fog,this}},Fc=class extends Ns{constructor(e){super(),this.isMeshDepthMaterial=!0,this.type="MeshDepthMaterial",this.depthPacking=a0,this.map=null,this.alphaMap=null,this.displacementMap=null,this.displacementScale=1,this.displacementBias=0,this.wireframe=!1,this.wireframeLinewidth=1,this.setValues(e)}copy(e){return super.copy(e),this.depthPacking=e.depthPacking,this.map=e.map,this.alphaMap=e.alphaMap,this.displacementMap=e.displacementMap,this.displacementScale=e.displacementScale,this.displacementBias=e.displacementBias,this.wireframe=e.wireframe,this.wireframeLinewidth=e.wireframeLinewidth,this}},Oc=class extends Ns{constructor(e){super(),this.isMeshDistanceMaterial=!0,this.type="MeshDistanceMaterial",this.map=null,this.alphaMap=null,this.displacementMap=null,this.displacementScale=1,this.displacementBias=0,this.setValues(e)}copy(e){return super.copy(e),this.map=e.map,this.alphaMap=e.alphaMap,this.displacementMap=e.displacementMap,this.displacementScale=e.displacementScale,this.displacementBias=e.displacementBias,this}};function wo(i,e){return!i||i.constructor===e?i:typeof e.BYTES_PER_ELEMENT=="number"?new e(i):Array.prototype.slice.call(i)}function uc(i){return i!==void 0&&i.inTangents!==void 0&&i.outTangents!==void 0}var sr=class{constructor(e,t,n,s){this.parameterPositions=e,this._cachedIndex=0,this.resultBuffer=s!==void 0?s:new t.constructor(n),this.sampleValues=t,this.valueSize=n,this.settings=null,this.DefaultSettings_={}}evaluate(e){let t=this.parameterPositions,n=this._cachedIndex,s=t[n],r=t[n-1];n:{e:{let o;t:{i:if(!(e<s)){for(let a=n+2;;){if(s===void 0){if(e<r)break i;return n=t.length,this._cachedIndex=n,this.copySampleValue_(n-1)}if(n===a)break;if(r=s,s=t[++n],e<s)break e}o=t.length;break t}if(!(e>=r)){let a=t[1];e<a&&(n=2,r=a);for(let l=n-2;;){if(r===void 0)return this._cachedIndex=0,this.copySampleValue_(0);if(n===l)break;if(s=r,r=t[--n-1],e>=r)break e}o=n,n=0;break t}break n}for(;n<o;){let a=n+o>>>1;e<t[a]?o=a:n=a+1}if(s=t[n],r=t[n-1],r===void 0)return this._cachedIndex=0,this.copySampleValue_(0);if(s===void 0)return n=t.length,this._cachedIndex=n,this.copySampleValue_(n-1)}this._cachedIndex=n,this.intervalChanged_(n,r,s)}return this.interpolate_(n,r,e,s)}getSettings_(){return this.settings||this.DefaultSettings_}copySampleValue_(e){let t=this.resultBuffer,n=this.sampleValues,s=this.valueSize,r=e*s;for(let o=0;o!==s;++o)t[o]=n[r+o];return t}interpolate_(){throw new Error("THREE.Interpolant: Call to abstract method.")}intervalChanged_(){}},Bc=class extends sr{constructor(e,t,n,s){super(e,t,n,s),this._weightPrev=-0,this._offsetPrev=-0,this._weightNext=-0,this._offsetNext=-0,this.DefaultSettings_={endingStart:If,endingEnd:If}}intervalChanged_(e,t,n){let s=this.parameterPositions,r=e-2,o=e+1,a=s[r],l=s[o];if(a===void 0)switch(this.getSettings_().endingStart){case Pf:r=e,a=2*t-n;break;case Lf:r=s.length-2,a=t+s[r]-s[r+1];break;default:r=e,a=n}if(l===void 0)switch(this.getSettings_().endingEnd){case Pf:o=e,l=2*n-t;break;case Lf:o=1,l=n+s[1]-s[0];break;default:o=e-1,l=t}let c=(n-t)*.5,h=this.valueSize;this._weightPrev=c/(t-a),this._weightNext=c/(l-n),this._offsetPrev=r*h,this._offsetNext=o*h}interpolate_(e,t,n,s){let r=this.resultBuffer,o=this.sampleValues,a=this.valueSize,l=e*a,c=l-a,h=this._offsetPrev,u=this._offsetNext,f=this._weightPrev,p=this._weightNext,g=(n-t)/(s-t),x=g*g,m=x*g,d=-f*m+2*f*x-f*g,_=(1+f)*m+(-1.5-2*f)*x+(-.5+f)*g+1,w=(-1-p)*m+(1.5+p)*x+.5*g,b=p*m-p*x;for(let E=0;E!==a;++E)r[E]=d*o[h+E]+_*o[c+E]+w*o[l+E]+b*o[u+E];return r}},kc=class extends sr{constructor(e,t,n,s){super(e,t,n,s)}interpolate_(e,t,n,s){let r=this.resultBuffer,o=this.sampleValues,a=this.valueSize,l=e*a,c=l-a,h=(n-t)/(s-t),u=1-h;for(let f=0;f!==a;++f)r[f]=o[c+f]*u+o[l+f]*h;return r}},zc=class extends sr{constructor(e,t,n,s){super(e,t,n,s)}interpolate_(e){return this.copySampleValue_(e-1)}},Vc=class extends sr{interpolate_(e,t,n,s){let r=this.resultBuffer,o=this.sampleValues,a=this.valueSize,l=e*a,c=l-a,h=this.inTangents,u=this.outTangents;if(!h||!u){let g=(n-t)/(s-t),x=1-g;for(let m=0;m!==a;++m)r[m]=o[c+m]*x+o[l+m]*g;return r}let f=a*2,p=e-1;for(let g=0;g!==a;++g){let x=o[c+g],m=o[l+g],d=p*f+g*2,_=u[d],w=u[d+1],b=e*f+g*2,E=h[b],S=h[b+1],y=qb(n,t,_,E,s);r[g]=w0(y,x,w,S,m)}return r}};function w0(i,e,t,n,s){let r=1-i;return r*r*r*e+3*r*r*i*t+3*r*i*i*n+i*i*i*s}function $b(i,e,t,n,s){let r=1-i;return 3*r*r*(t-e)+6*r*i*(n-t)+3*i*i*(s-n)}function qb(i,e,t,n,s){let r=(i-e)/(s-e);for(let o=0;o<8;o++){let a=w0(r,e,t,n,s)-i;if(Math.abs(a)<1e-10)break;let l=$b(r,e,t,n,s);if(Math.abs(l)<1e-10)break;r=Math.max(0,Math.min(1,r-a/l))}return r}var Ci=class{constructor(e,t,n,s){if(e===void 0)throw new Error("THREE.KeyframeTrack: track name is undefined");if(t===void 0||t.length===0)throw new Error("THREE.KeyframeTrack: no keyframes in track named "+e);this.name=e,this.times=wo(t,this.TimeBufferType),this.values=wo(n,this.ValueBufferType),this.setInterpolation(s||this.DefaultInterpolation)}static toJSON(e){let t=e.constructor,n;if(t.toJSON!==this.toJSON)n=t.toJSON(e);else{n={name:e.name,times:wo(e.times,Array),values:wo(e.values,Array)};let s=e.getInterpolation();s!==e.DefaultInterpolation&&(n.interpolation=s),uc(e.settings)&&(n.settings={inTangents:wo(e.settings.inTangents,Array),outTangents:wo(e.settings.outTangents,Array)})}return n.type=e.ValueTypeName,n}InterpolantFactoryMethodDiscrete(e){return new zc(this.times,this.values,this.getValueSize(),e)}InterpolantFactoryMethodLinear(e){return new kc(this.times,this.values,this.getValueSize(),e)}InterpolantFactoryMethodSmooth(e){return new Bc(this.times,this.values,this.getValueSize(),e)}InterpolantFactoryMethodBezier(e){let t=new Vc(this.times,this.values,this.getValueSize(),e);return this.settings&&(t.inTangents=this.settings.inTangents,t.outTangents=this.settings.outTangents),t}setInterpolation(e){let t;switch(e){case Ea:t=this.InterpolantFactoryMethodDiscrete;break;case Ec:t=this.InterpolantFactoryMethodLinear;break;case mc:t=this.InterpolantFactoryMethodSmooth;break;case Rf:t=this.InterpolantFactoryMethodBezier;break}if(t===void 0){let n="unsupported interpolation for "+this.ValueTypeName+" keyframe track named "+this.name;if(this.createInterpolant===void 0)if(e!==this.DefaultInterpolation)this.setInterpolation(this.DefaultInterpolation);else throw new Error(n);return Ye("KeyframeTrack:",n),this}return this.createInterpolant=t,this}getInterpolation(){switch(this.createInterpolant){case this.InterpolantFactoryMethodDiscrete:return Ea;case this.InterpolantFactoryMethodLinear:return Ec;case this.InterpolantFactoryMethodSmooth:return mc;case this.InterpolantFactoryMethodBezier:return Rf}}getValueSize(){return this.values.length/this.times.length}shift(e){if(e!==0){let t=this.times;for(let n=0,s=t.length;n!==s;++n)t[n]+=e;uc(this.settings)&&(Cg(this.settings.inTangents,e),Cg(this.settings.outTangents,e))}return this}scale(e){if(e!==1){let t=this.times;for(let n=0,s=t.length;n!==s;++n)t[n]*=e;uc(this.settings)&&(Rg(this.settings.inTangents,e),Rg(this.settings.outTangents,e))}return this}trim(e,t){let n=this.times,s=n.length,r=0,o=s-1;for(;r!==s&&n[r]<e;)++r;for(;o!==-1&&n[o]>t;)--o;if(++o,r!==0||o!==s){r>=o&&(o=Math.max(o,1),r=o-1);let a=this.getValueSize();this.times=n.slice(r,o),this.values=this.values.slice(r*a,o*a)}return this}validate(){let e=!0,t=this.getValueSize();t-Math.floor(t)!==0&&(et("KeyframeTrack: Invalid value size in track.",this),e=!1);let n=this.times,s=this.values,r=n.length;r===0&&(et("KeyframeTrack: Track is empty.",this),e=!1);let o=null;for(let a=0;a!==r;a++){let l=n[a];if(typeof l=="number"&&isNaN(l)){et("KeyframeTrack: Time is not a valid number.",this,a,l),e=!1;break}if(o!==null&&o>l){et("KeyframeTrack: Out of order keys.",this,a,l,o),e=!1;break}o=l}if(s!==void 0&&cb(s))for(let a=0,l=s.length;a!==l;++a){let c=s[a];if(isNaN(c)){et("KeyframeTrack: Value is not a valid number.",this,a,c),e=!1;break}}return e}optimize(){let e=this.times.slice(),t=this.values.slice(),n=this.getValueSize(),s=this.getInterpolation()===mc,r=e.length-1,o=1;for(let a=1;a<r;++a){let l=!1,c=e[a],h=e[a+1];if(c!==h&&(a!==1||c!==e[0]))if(s)l=!0;else{let u=a*n,f=u-n,p=u+n;for(let g=0;g!==n;++g){let x=t[u+g];if(x!==t[f+g]||x!==t[p+g]){l=!0;break}}}if(l){if(a!==o){e[o]=e[a];let u=a*n,f=o*n;for(let p=0;p!==n;++p)t[f+p]=t[u+p]}++o}}if(r>0){e[o]=e[r];for(let a=r*n,l=o*n,c=0;c!==n;++c)t[l+c]=t[a+c];++o}return o!==e.length?(this.times=e.slice(0,o),this.values=t.slice(0,o*n)):(this.times=e,this.values=t),this}clone(){let e=this.times.slice(),t=this.values.slice(),n=this.constructor,s=new n(this.name,e,t);return s.createInterpolant=this.createInterpolant,uc(this.settings)&&(s.settings={inTangents:this.settings.inTangents.slice(),outTangents:this.settings.outTangents.slice()}),s}};function Cg(i,e){for(let t=0,n=i.length;t!==n;t+=2)i[t]+=e}function Rg(i,e){for(let t=0,n=i.length;t!==n;t+=2)i[t]*=e}Ci.prototype.ValueTypeName="";Ci.prototype.TimeBufferType=Float32Array;Ci.prototype.ValueBufferType=Float32Array;Ci.prototype.DefaultInterpolation=Ec;var rr=class extends Ci{constructor(e,t,n){super(e,t,n)}};rr.prototype.ValueTypeName="bool";rr.prototype.ValueBufferType=Array;rr.prototype.DefaultInterpolation=Ea;rr.prototype.InterpolantFactoryMethodLinear=void 0;rr.prototype.InterpolantFactoryMethodSmooth=void 0;var Hc=class extends Ci{constructor(e,t,n,s){super(e,t,n,s)}};Hc.prototype.ValueTypeName="color";var Gc=class extends Ci{constructor(e,t,n,s){super(e,t,n,s)}};Gc.prototype.ValueTypeName="number";var Wc=class extends sr{constructor(e,t,n,s){super(e,t,n,s)}interpolate_(e,t,n,s){let r=this.resultBuffer,o=this.sampleValues,a=this.valueSize,l=(n-t)/(s-t),c=e*a;for(let h=c+a;c!==h;c+=4)un.slerpFlat(r,0,o,c-a,o,c,l);return r}},Va=class extends Ci{constructor(e,t,n,s){super(e,t,n,s)}InterpolantFactoryMethodLinear(e){return new Wc(this.times,this.values,this.getValueSize(),e)}};Va.prototype.ValueTypeName="quaternion";Va.prototype.InterpolantFactoryMethodSmooth=void 0;var or=class extends Ci{constructor(e,t,n){super(e,t,n)}};or.prototype.ValueTypeName="string";or.prototype.ValueBufferType=Array;or.prototype.DefaultInterpolation=Ea;or.prototype.InterpolantFactoryMethodLinear=void 0;or.prototype.InterpolantFactoryMethodSmooth=void 0;var Xc=class extends Ci{constructor(e,t,n,s){super(e,t,n,s)}};Xc.prototype.ValueTypeName="vector";var $c=class{constructor(e,t,n){let s=this,r=!1,o=0,a=0,l,c=[];this.onStart=void 0,this.onLoad=e,this.onProgress=t,this.onError=n,this._abortController=null,this.itemStart=function(h){a++,r===!1&&s.onStart!==void 0&&s.onStart(h,o,a),r=!0},this.itemEnd=function(h){o++,s.onProgress!==void 0&&s.onProgress(h,o,a),o===a&&(r=!1,s.onLoad!==void 0&&s.onLoad())},this.itemError=function(h){s.onError!==void 0&&s.onError(h)},this.resolveURL=function(h){return h=h.normalize("NFC"),l?l(h):h},this.setURLModifier=function(h){return l=h,this},this.addHandler=function(h,u){return c.push(h,u),this},this.removeHandler=function(h){let u=c.indexOf(h);return u!==-1&&c.splice(u,2),this},this.getHandler=function(h){for(let u=0,f=c.length;u<f;u+=2){let p=c[u],g=c[u+1];if(p.global&&(p.lastIndex=0),p.test(h))return g}return null},this.abort=function(){return this.abortController.abort(),this._abortController=null,this}}get abortController(){return this._abortController||(this._abortController=new AbortController),this._abortController}},A0=new $c,qc=class{constructor(e){this.manager=e!==void 0?e:A0,this.crossOrigin="anonymous",this.withCredentials=!1,this.path="",this.resourcePath="",this.requestHeader={},this.priority="auto",this.cache="default",typeof __THREE_DEVTOOLS__<"u"&&__THREE_DEVTOOLS__.dispatchEvent(new CustomEvent("observe",{detail:this}))}load(){}loadAsync(e,t){let n=this;return new Promise(function(s,r){n.load(e,s,t,r)})}parse(){}setCrossOrigin(e){return this.crossOrigin=e,this}setWithCredentials(e){return this.withCredentials=e,this}setPath(e){return this.path=e,this}setResourcePath(e){return this.resourcePath=e,this}setRequestHeader(e){return this.requestHeader=e,this}setPriority(e){return this.priority=e,this}setCache(e){return this.cache=e,this}abort(){return this}};qc.DEFAULT_MATERIAL_NAME="__DEFAULT";var Ha=class extends Hn{static registerNode(e){this.prototype._lightNode=e}constructor(e,t=1){super(),this.isLight=!0,this.type="Light",this.color=new ut(e),this.intensity=t}copy(e,t){return super.copy(e,t),this.color.copy(e.color),this.intensity=e.intensity,this}toJSON(e){let t=super.toJSON(e);return t.object.color=this.color.getHex(),t.object.intensity=this.intensity,t}};var Tf=new Xt,Ig=new F,Pg=new F,Yc=class{constructor(e){this.camera=e,this.intensity=1,this.bias=0,this.biasNode=null,this.normalBias=0,this.radius=1,this.blurSamples=8,this.mapSize=new qe(512,512),this.mapType=hi,this.map=null,this.mapPass=null,this.matrix=new Xt,this.autoUpdate=!0,this.needsUpdate=!1,this._frustum=new er,this._frameExtents=new qe(1,1),this._viewportCount=1,this._viewports=[new en(0,0,1,1)]}getViewportCount(){return this._viewportCount}getCamera(){return this.camera}getFrustum(){return this._frustum}updateMatrices(e){let t=this.camera;Ig.setFromMatrixPosition(e.matrixWorld),t.position.copy(Ig),Pg.setFromMatrixPosition(e.target.matrixWorld),t.lookAt(Pg),t.updateMatrixWorld(),this._updateMatrix(t,this.matrix,this._frustum)}_updateMatrix(e,t,n,s){Tf.multiplyMatrices(e.projectionMatrix,e.matrixWorldInverse),n.setFromProjectionMatrix(Tf,e.coordinateSystem,e.reversedDepth);let r=this._frameExtents,o=s?s.z/r.x:1,a=s?s.w/r.y:1,l=s?s.x/r.x:0,c=s?s.y/r.y:0;e.coordinateSystem===Io||e.reversedDepth?t.set(.5*o,0,0,.5*o+l,0,.5*a,0,.5*a+c,0,0,1,0,0,0,0,1):t.set(.5*o,0,0,.5*o+l,0,.5*a,0,.5*a+c,0,0,.5,.5,0,0,0,1),t.multiply(Tf)}getViewport(e){return this._viewports[e]}getFrameExtents(){return this._frameExtents}dispose(){this.map&&this.map.dispose(),this.mapPass&&this.mapPass.dispose()}copy(e){return this.camera=e.camera.clone(),this.intensity=e.intensity,this.bias=e.bias,this.radius=e.radius,this.autoUpdate=e.autoUpdate,this.needsUpdate=e.needsUpdate,this.normalBias=e.normalBias,this.blurSamples=e.blurSamples,this.mapSize.copy(e.mapSize),this.mapType=e.mapType,this.biasNode=e.biasNode,this}clone(){return new this.constructor().copy(this)}toJSON(){let e={};return e.intensity=this.intensity,e.bias=this.bias,e.normalBias=this.normalBias,e.radius=this.radius,e.blurSamples=this.blurSamples,e.mapSize=this.mapSize.toArray(),e.mapType=this.mapType,e.camera=this.camera.toJSON(!1).object,delete e.camera.matrix,e}},fc=new F,dc=new un,us=new F,Ga=class extends Hn{constructor(){super(),this.isCamera=!0,this.type="Camera",this.matrixWorldInverse=new Xt,this.projectionMatrix=new Xt,this.projectionMatrixInverse=new Xt,this.coordinateSystem=Ui,this._reversedDepth=!1}get reversedDepth(){return this._reversedDepth}copy(e,t){return super.copy(e,t),this.matrixWorldInverse.copy(e.matrixWorldInverse),this.projectionMatrix.copy(e.projectionMatrix),this.projectionMatrixInverse.copy(e.projectionMatrixInverse),this.coordinateSystem=e.coordinateSystem,this}getWorldDirection(e){return super.getWorldDirection(e).negate()}updateMatrixWorld(e){super.updateMatrixWorld(e),this.matrixWorld.decompose(fc,dc,us),us.x===1&&us.y===1&&us.z===1?this.matrixWorldInverse.copy(this.matrixWorld).invert():this.matrixWorldInverse.compose(fc,dc,us.set(1,1,1)).invert()}updateWorldMatrix(e,t,n=!1){super.updateWorldMatrix(e,t,n),this.matrixWorld.decompose(fc,dc,us),us.x===1&&us.y===1&&us.z===1?this.matrixWorldInverse.copy(this.matrixWorld).invert():this.matrixWorldInverse.compose(fc,dc,us.set(1,1,1)).invert()}clone(){return new this.constructor().copy(this)}},js=new F,Lg=new qe,Dg=new qe,si=class extends Ga{constructor(e=50,t=1,n=.1,s=2e3){super(),this.isPerspectiveCamera=!0,this.type="PerspectiveCamera",this.fov=e,this.zoom=1,this.near=n,this.far=s,this.focus=10,this.aspect=t,this.view=null,this.filmGauge=35,this.filmOffset=0,this.updateProjectionMatrix()}copy(e,t){return super.copy(e,t),this.fov=e.fov,this.zoom=e.zoom,this.near=e.near,this.far=e.far,this.focus=e.focus,this.aspect=e.aspect,this.view=e.view===null?null:Object.assign({},e.view),this.filmGauge=e.filmGauge,this.filmOffset=e.filmOffset,this}setFocalLength(e){let t=.5*this.getFilmHeight()/e;this.fov=Lo*2*Math.atan(t),this.updateProjectionMatrix()}getFocalLength(){let e=Math.tan(To*.5*this.fov);return .5*this.getFilmHeight()/e}getEffectiveFOV(){return Lo*2*Math.atan(Math.tan(To*.5*this.fov)/this.zoom)}getFilmWidth(){return this.filmGauge*Math.min(this.aspect,1)}getFilmHeight(){return this.filmGauge/Math.max(this.aspect,1)}getViewBounds(e,t,n){js.set(-1,-1,.5).applyMatrix4(this.projectionMatrixInverse),t.set(js.x,js.y).multiplyScalar(-e/js.z),js.set(1,1,.5).applyMatrix4(this.projectionMatrixInverse),n.set(js.x,js.y).multiplyScalar(-e/js.z)}getViewSize(e,t){return this.getViewBounds(e,Lg,Dg),t.subVectors(Dg,Lg)}setViewOffset(e,t,n,s,r,o){this.aspect=e/t,this.view===null&&(this.view={enabled:!0,fullWidth:1,fullHeight:1,offsetX:0,offsetY:0,width:1,height:1}),this.view.enabled=!0,this.view.fullWidth=e,this.view.fullHeight=t,this.view.offsetX=n,this.view.offsetY=s,this.view.width=r,this.view.height=o,this.updateProjectionMatrix()}clearViewOffset(){this.view!==null&&(this.view.enabled=!1),this.updateProjectionMatrix()}updateProjectionMatrix(){let e=this.near,t=e*Math.tan(To*.5*this.fov)/this.zoom,n=2*t,s=this.aspect*n,r=-.5*s,o=this.view;if(this.view!==null&&this.view.enabled){let l=o.fullWidth,c=o.fullHeight;r+=o.offsetX*s/l,t-=o.offsetY*n/c,s*=o.width/l,n*=o.height/c}let a=this.filmOffset;a!==0&&(r+=e*a/this.getFilmWidth()),this.projectionMatrix.makePerspective(r,r+s,t,t-n,e,this.far,this.coordinateSystem,this.reversedDepth),this.projectionMatrixInverse.copy(this.projectionMatrix).invert()}toJSON(e){let t=super.toJSON(e);return t.object.fov=this.fov,t.object.zoom=this.zoom,t.object.near=this.near,t.object.far=this.far,t.object.focus=this.focus,t.object.aspect=this.aspect,this.view!==null&&(t.object.view=Object.assign({},this.view)),t.object.filmGauge=this.filmGauge,t.object.filmOffset=this.filmOffset,t}};var Wa=class extends Ga{constructor(e=-1,t=1,n=1,s=-1,r=.1,o=2e3){super(),this.isOrthographicCamera=!0,this.type="OrthographicCamera",this.zoom=1,this.view=null,this.left=e,this.right=t,this.top=n,this.bottom=s,this.near=r,this.far=o,this.updateProjectionMatrix()}copy(e,t){return super.copy(e,t),this.left=e.left,this.right=e.right,this.top=e.top,this.bottom=e.bottom,this.near=e.near,this.far=e.far,this.zoom=e.zoom,this.view=e.view===null?null:Object.assign({},e.view),this}setViewOffset(e,t,n,s,r,o){this.view===null&&(this.view={enabled:!0,fullWidth:1,fullHeight:1,offsetX:0,offsetY:0,width:1,height:1}),this.view.enabled=!0,this.view.fullWidth=e,this.view.fullHeight=t,this.view.offsetX=n,this.view.offsetY=s,this.view.width=r,this.view.height=o,this.updateProjectionMatrix()}clearViewOffset(){this.view!==null&&(this.view.enabled=!1),this.updateProjectionMatrix()}updateProjectionMatrix(){let e=(this.right-this.left)/(2*this.zoom),t=(this.top-this.bottom)/(2*this.zoom),n=(this.right+this.left)/2,s=(this.top+this.bottom)/2,r=n-e,o=n+e,a=s+t,l=s-t;if(this.view!==null&&this.view.enabled){let c=(this.right-this.left)/this.view.fullWidth/this.zoom,h=(this.top-this.bottom)/this.view.fullHeight/this.zoom;r+=c*this.view.offsetX,o=r+c*this.view.width,a-=h*this.view.offsetY,l=a-h*this.view.height}this.projectionMatrix.makeOrthographic(r,o,a,l,this.near,this.far,this.coordinateSystem,this.reversedDepth),this.projectionMatrixInverse.copy(this.projectionMatrix).invert()}toJSON(e){let t=super.toJSON(e);return t.object.zoom=this.zoom,t.object.left=this.left,t.object.right=this.right,t.object.top=this.top,t.object.bottom=this.bottom,t.object.near=this.near,t.object.far=this.far,this.view!==null&&(t.object.view=Object.assign({},this.view)),t}},Df=class extends Yc{constructor(){super(new Wa(-5,5,5,-5,.5,500)),this.isDirectionalLightShadow=!0}},Xa=class extends Ha{constructor(e,t){super(e,t),this.isDirectionalLight=!0,this.type="DirectionalLight",this.position.copy(Hn.DEFAULT_UP),this.updateMatrix(),this.target=new Hn,this.shadow=new Df}dispose(){super.dispose(),this.shadow.dispose()}copy(e){return super.copy(e),this.target=e.target.clone(),this.shadow=e.shadow.clone(),this}toJSON(e){let t=super.toJSON(e);return t.object.shadow=this.shadow.toJSON(),t.object.target=this.target.uuid,t}},$a=class extends Ha{constructor(e,t){super(e,t),this.isAmbientLight=!0,this.type="AmbientLight"}};var Ao=-90,Eo=1,Oo=class extends Hn{constructor(e,t,n){super(),this.type="CubeCamera",this.renderTarget=n,this.coordinateSystem=null,this.activeMipmapLevel=0;let s=new si(Ao,Eo,e,t);s.layers=this.layers,this.add(s);let r=new si(Ao,Eo,e,t);r.layers=this.layers,this.add(r);let o=new si(Ao,Eo,e,t);o.layers=this.layers,this.add(o);let a=new si(Ao,Eo,e,t);a.layers=this.layers,this.add(a);let l=new si(Ao,Eo,e,t);l.layers=this.layers,this.add(l);let c=new si(Ao,Eo,e,t);c.layers=this.layers,this.add(c)}updateCoordinateSystem(){let e=this.coordinateSystem,t=this.children.concat(),[n,s,r,o,a,l]=t;for(let c of t)this.remove(c);if(e===Ui)n.up.set(0,1,0),n.lookAt(1,0,0),s.up.set(0,1,0),s.lookAt(-1,0,0),r.up.set(0,0,-1),r.lookAt(0,1,0),o.up.set(0,0,1),o.lookAt(0,-1,0),a.up.set(0,1,0),a.lookAt(0,0,1),l.up.set(0,1,0),l.lookAt(0,0,-1);else if(e===Io)n.up.set(0,-1,0),n.lookAt(-1,0,0),s.up.set(0,-1,0),s.lookAt(1,0,0),r.up.set(0,0,1),r.lookAt(0,1,0),o.up.set(0,0,-1),o.lookAt(0,-1,0),a.up.set(0,-1,0),a.lookAt(0,0,1),l.up.set(0,-1,0),l.lookAt(0,0,-1);else throw new Error("THREE.CubeCamera.updateCoordinateSystem(): Invalid coordinate system: "+e);for(let c of t)this.add(c),c.updateMatrixWorld()}update(e,t){this.parent===null&&this.updateMatrixWorld();let{renderTarget:n,activeMipmapLevel:s}=this;this.coordinateSystem!==e.coordinateSystem&&(this.coordinateSystem=e.coordinateSystem,this.updateCoordinateSystem());let[r,o,a,l,c,h]=this.children,u=e.getRenderTarget(),f=e.getActiveCubeFace(),p=e.getActiveMipmapLevel(),g=e.xr.enabled;e.xr.enabled=!1;let x=n.texture.mipmapsAutoUpdate;n.texture.mipmapsAutoUpdate=!1;let m=!1;e.isWebGLRenderer===!0?m=e.state.buffers.depth.getReversed():m=e.reversedDepthBuffer,e.setRenderTarget(n,0,s),m&&e.autoClear===!1&&e.clearDepth(),e.render(t,r),e.setRenderTarget(n,1,s),m&&e.autoClear===!1&&e.clearDepth(),e.render(t,o),e.setRenderTarget(n,2,s),m&&e.autoClear===!1&&e.clearDepth(),e.render(t,a),e.setRenderTarget(n,3,s),m&&e.autoClear===!1&&e.clearDepth(),e.render(t,l),e.setRenderTarget(n,4,s),m&&e.autoClear===!1&&e.clearDepth(),e.render(t,c),n.texture.mipmapsAutoUpdate=x,e.setRenderTarget(n,5,s),m&&e.autoClear===!1&&e.clearDepth(),e.render(t,h),e.setRenderTarget(u,f,p),e.xr.enabled=g,n.texture.needsPMREMUpdate=!0}},Zc=class extends si{constructor(e=[]){super(),this.isArrayCamera=!0,this.isMultiViewCamera=!1,this.cameras=e,this.perCameraFrustumCulled=!1}};var pd="\\[\\]\\.:\\/",Yb=new RegExp("["+pd+"]","g"),md="[^"+pd+"]",Zb="[^"+pd.replace("\\.","")+"]",Kb=/((?:WC+[\/:])*)/.source.replace("WC",md),Jb=/(WCOD+)?/.source.replace("WCOD",Zb),jb=/(?:\.(WC+)(?:\[(.+)\])?)?/.source.replace("WC",md),Qb=/\.(WC+)(?:\[(.+)\])?/.source.replace("WC",md),eM=new RegExp("^"+Kb+Jb+jb+Qb+"$"),tM=["material","materials","bones","map"],Nf=class{constructor(e,t,n){let s=n||Jt.parseTrackName(t);this._targetGroup=e,this._bindings=e.subscribe_(t,s)}getValue(e,t){this.bind();let n=this._targetGroup.nCachedObjects_,s=this._bindings[n];s!==void 0&&s.getValue(e,t)}setValue(e,t){let n=this._bindings;for(let s=this._targetGroup.nCachedObjects_,r=n.length;s!==r;++s)n[s].setValue(e,t)}bind(){let e=this._bindings;for(let t=this._targetGroup.nCachedObjects_,n=e.length;t!==n;++t)e[t].bind()}unbind(){let e=this._bindings;for(let t=this._targetGroup.nCachedObjects_,n=e.length;t!==n;++t)e[t].unbind()}},Jt=class i{constructor(e,t,n){this.path=t,this.parsedPath=n||i.parseTrackName(t),this.node=i.findNode(e,this.parsedPath.nodeName),this.rootNode=e,this.getValue=this._getValue_unbound,this.setValue=this._setValue_unbound}static create(e,t,n){return e&&e.isAnimationObjectGroup?new i.Composite(e,t,n):new i(e,t,n)}static sanitizeNodeName(e){return e.replace(/\s/g,"_").replace(Yb,"")}static parseTrackName(e){let t=eM.exec(e);if(t===null)throw new Error("THREE.PropertyBinding: Cannot parse trackName: "+e);let n={nodeName:t[2],objectName:t[3],objectIndex:t[4],propertyName:t[5],propertyIndex:t[6]},s=n.nodeName&&n.nodeName.lastIndexOf(".");if(s!==void 0&&s!==-1){let r=n.nodeName.substring(s+1);tM.indexOf(r)!==-1&&(n.nodeName=n.nodeName.substring(0,s),n.objectName=r)}if(n.propertyName===null||n.propertyName.length===0)throw new Error("THREE.PropertyBinding: can not parse propertyName from trackName: "+e);return n}static findNode(e,t){if(t===void 0||t===""||t==="."||t===-1||t===e.name||t===e.uuid)return e;if(e.skeleton){let n=e.skeleton.getBoneByName(t);if(n!==void 0)return n}if(e.children){let n=function(r){for(let o=0;o<r.length;o++){let a=r[o];if(a.name===t||a.uuid===t)return a;let l=n(a.children);if(l)return l}return null},s=n(e.children);if(s)return s}return null}_getValue_unavailable(){}_setValue_unavailable(){}_getValue_direct(e,t){e[t]=this.targetObject[this.propertyName]}_getValue_array(e,t){let n=this.resolvedProperty;for(let s=0,r=n.length;s!==r;++s)e[t++]=n[s]}_getValue_arrayElement(e,t){e[t]=this.resolvedProperty[this.propertyIndex]}_getValue_toArray(e,t){this.resolvedProperty.toArray(e,t)}_setValue_direct(e,t){this.targetObject[this.propertyName]=e[t]}_setValue_direct_setNeedsUpdate(e,t){this.targetObject[this.propertyName]=e[t],this.targetObject.needsUpdate=!0}_setValue_direct_setMatrixWorldNeedsUpdate(e,t){this.targetObject[this.propertyName]=e[t],this.targetObject.matrixWorldNeedsUpdate=!0}_setValue_array(e,t){let n=this.resolvedProperty;for(let s=0,r=n.length;s!==r;++s)n[s]=e[t++]}_setValue_array_setNeedsUpdate(e,t){let n=this.resolvedProperty;for(let s=0,r=n.length;s!==r;++s)n[s]=e[t++];this.targetObject.needsUpdate=!0}_setValue_array_setMatrixWorldNeedsUpdate(e,t){let n=this.resolvedProperty;for(let s=0,r=n.length;s!==r;++s)n[s]=e[t++];this.targetObject.matrixWorldNeedsUpdate=!0}_setValue_arrayElement(e,t){this.resolvedProperty[this.propertyIndex]=e[t]}_setValue_arrayElement_setNeedsUpdate(e,t){this.resolvedProperty[this.propertyIndex]=e[t],this.targetObject.needsUpdate=!0}_setValue_arrayElement_setMatrixWorldNeedsUpdate(e,t){this.resolvedProperty[this.propertyIndex]=e[t],this.targetObject.matrixWorldNeedsUpdate=!0}_setValue_fromArray(e,t){this.resolvedProperty.fromArray(e,t)}_setValue_fromArray_setNeedsUpdate(e,t){this.resolvedProperty.fromArray(e,t),this.targetObject.needsUpdate=!0}_setValue_fromArray_setMatrixWorldNeedsUpdate(e,t){this.resolvedProperty.fromArray(e,t),this.targetObject.matrixWorldNeedsUpdate=!0}_getValue_unbound(e,t){this.bind(),this.getValue(e,t)}_setValue_unbound(e,t){this.bind(),this.setValue(e,t)}bind(){let e=this.node,t=this.parsedPath,n=t.objectName,s=t.propertyName,r=t.propertyIndex;if(e||(e=i.findNode(this.rootNode,t.nodeName),this.node=e),this.getValue=this._getValue_unavailable,this.setValue=this._setValue_unavailable,!e){Ye("PropertyBinding: No target node found for track: "+this.path+".");return}if(n){let c=t.objectIndex;switch(n){case"materials":if(!e.material){et("PropertyBinding: Can not bind to material as node does not have a material.",this);return}if(!e.material.materials){et("PropertyBinding: Can not bind to material.materials as node.material does not have a materials array.",this);return}e=e.material.materials;break;case"bones":if(!e.skeleton){et("PropertyBinding: Can not bind to bones as node does not have a skeleton.",this);return}e=e.skeleton.bones;for(let h=0;h<e.length;h++)if(e[h].name===c){c=h;break}break;case"map":if("map"in e){e=e.map;break}if(!e.material){et("PropertyBinding: Can not bind to material as node does not have a material.",this);return}if(!e.material.map){et("PropertyBinding: Can not bind to material.map as node.material does not have a map.",this);return}e=e.material.map;break;default:if(e[n]===void 0){et("PropertyBinding: Can not bind to objectName of node undefined.",this);return}e=e[n]}if(c!==void 0){if(e[c]===void 0){et("PropertyBinding: Trying to bind to objectIndex of objectName, but is undefined.",this,e);return}e=e[c]}}let o=e[s];if(o===void 0){let c=t.nodeName;et("PropertyBinding: Trying to update property for track: "+c+"."+s+" but it wasn't found.",e);return}let a=this.Versioning.None;this.targetObject=e,e.isMaterial===!0?a=this.Versioning.NeedsUpdate:e.isObject3D===!0&&(a=this.Versioning.MatrixWorldNeedsUpdate);let l=this.BindingType.Direct;if(r!==void 0){if(s==="morphTargetInfluences"){if(!e.geometry){et("PropertyBinding: Can not bind to morphTargetInfluences because node does not have a geometry.",this);return}if(!e.geometry.morphAttributes){et("PropertyBinding: Can not bind to morphTargetInfluences because node does not have a geometry.morphAttributes.",this);return}e.morphTargetDictionary[r]!==void 0&&(r=e.morphTargetDictionary[r])}l=this.BindingType.ArrayElement,this.resolvedProperty=o,this.propertyIndex=r}else o.fromArray!==void 0&&o.toArray!==void 0?(l=this.BindingType.HasFromToArray,this.resolvedProperty=o):Array.isArray(o)?(l=this.BindingType.EntireArray,this.resolvedProperty=o):this.propertyName=s;this.getValue=this.GetterByBindingType[l],this.setValue=this.SetterByBindingTypeAndVersioning[l][a]}unbind(){this.node=null,this.getValue=this._getValue_unbound,this.setValue=this._setValue_unbound}};Jt.Composite=Nf;Jt.prototype.BindingType={Direct:0,EntireArray:1,ArrayElement:2,HasFromToArray:3};Jt.prototype.Versioning={None:0,NeedsUpdate:1,MatrixWorldNeedsUpdate:2};Jt.prototype.GetterByBindingType=[Jt.prototype._getValue_direct,Jt.prototype._getValue_array,Jt.prototype._getValue_arrayElement,Jt.prototype._getValue_toArray];Jt.prototype.SetterByBindingTypeAndVersioning=[[Jt.prototype._setValue_direct,Jt.prototype._setValue_direct_setNeedsUpdate,Jt.prototype._setValue_direct_setMatrixWorldNeedsUpdate],[Jt.prototype._setValue_array,Jt.prototype._setValue_array_setNeedsUpdate,Jt.prototype._setValue_array_setMatrixWorldNeedsUpdate],[Jt.prototype._setValue_arrayElement,Jt.prototype._setValue_arrayElement_setNeedsUpdate,Jt.prototype._setValue_arrayElement_setMatrixWorldNeedsUpdate],[Jt.prototype._setValue_fromArray,Jt.prototype._setValue_fromArray_setNeedsUpdate,Jt.prototype._setValue_fromArray_setMatrixWorldNeedsUpdate]];var gC=new Float32Array(1);var Ng=new Xt,qa=class{constructor(e,t,n=0,s=1/0){this.ray=new Qs(e,t),this.near=n,this.far=s,this.camera=null,this.layers=new No,this.params={Mesh:{},Line:{threshold:1},LOD:{},Points:{threshold:1},Sprite:{}}}set(e,t){this.ray.set(e,t)}setFromCamera(e,t){t.isPerspectiveCamera?(this.ray.origin.setFromMatrixPosition(t.matrixWorld),this.ray.direction.set(e.x,e.y,.5).unproject(t).sub(this.ray.origin).normalize(),this.camera=t):t.isOrthographicCamera?(this.ray.origin.set(e.x,e.y,t.projectionMatrix.elements[14]).unproject(t),this.ray.direction.set(0,0,-1).transformDirection(t.matrixWorld),this.camera=t):et("Raycaster: Unsupported camera type: "+t.type)}setFromXRController(e){return Ng.identity().extractRotation(e.matrixWorld),this.ray.origin.setFromMatrixPosition(e.matrixWorld),this.ray.direction.set(0,0,-1).applyMatrix4(Ng),this}intersectObject(e,t=!0,n=[]){return Uf(e,this,n,t),n.sort(Ug),n}intersectObjects(e,t=!0,n=[]){for(let s=0,r=e.length;s<r;s++)Uf(e[s],this,n,t);return n.sort(Ug),n}};function Ug(i,e){return i.distance-e.distance}function Uf(i,e,t,n){let s=!0;if(i.layers.test(e.layers)&&i.raycast(e,t)===!1&&(s=!1),s===!0&&n===!0){let r=i.children;for(let o=0,a=r.length;o<a;o++)Uf(r[o],e,t,!0)}}var Bo=class{constructor(e=1,t=0,n=0){this.radius=e,this.phi=t,this.theta=n}set(e,t,n){return this.radius=e,this.phi=t,this.theta=n,this}copy(e){return this.radius=e.radius,this.phi=e.phi,this.theta=e.theta,this}makeSafe(){return this.phi=mt(this.phi,1e-6,Math.PI-1e-6),this}setFromVector3(e){return this.setFromCartesianCoords(e.x,e.y,e.z)}setFromCartesianCoords(e,t,n){return this.radius=Math.sqrt(e*e+t*t+n*n),this.radius===0?(this.theta=0,this.phi=0):(this.theta=Math.atan2(e,n),this.phi=Math.acos(mt(t/this.radius,-1,1))),this}clone(){return new this.constructor().copy(this)}};var Ff=class{static{this.prototype.isMatrix2=!0}constructor(e,t,n,s){this.elements=[1,0,0,1],e!==void 0&&this.set(e,t,n,s)}identity(){return this.set(1,0,0,1),this}fromArray(e,t=0){for(let n=0;n<4;n++)this.elements[n]=e[n+t];return this}set(e,t,n,s){let r=this.elements;return r[0]=e,r[2]=t,r[1]=n,r[3]=s,this}};var Fg=new F,pc,Cf,ko=class extends Hn{constructor(e=new F(0,0,1),t=new F(0,0,0),n=1,s=16776960,r=n*.2,o=r*.2){super(),this.type="ArrowHelper",pc===void 0&&(pc=new gt,pc.setAttribute("position",new It([0,0,0,0,1,0],3)),Cf=new Pr(.5,1,5,1),Cf.translate(0,-.5,0)),this.position.copy(t),this.line=new tr(pc,new oi({color:s,toneMapped:!1})),this.line.matrixAutoUpdate=!1,this.add(this.line),this.cone=new Mt(Cf,new Na({color:s,toneMapped:!1})),this.cone.matrixAutoUpdate=!1,this.add(this.cone),this.setDirection(e),this.setLength(n,r,o)}setDirection(e){if(e.y>.99999)this.quaternion.set(0,0,0,1);else if(e.y<-.99999)this.quaternion.set(1,0,0,0);else{Fg.set(e.z,0,-e.x).normalize();let t=Math.acos(e.y);this.quaternion.setFromAxisAngle(Fg,t)}}setLength(e,t=e*.2,n=t*.2){this.line.scale.set(1,Math.max(1e-4,e-t),1),this.line.updateMatrix(),this.cone.scale.set(n,t,n),this.cone.position.y=e,this.cone.updateMatrix()}setColor(e){this.line.material.color.set(e),this.cone.material.color.set(e)}copy(e){return super.copy(e,!1),this.line.copy(e.line),this.cone.copy(e.cone),this}dispose(){super.dispose(),this.line.geometry.dispose(),this.line.material.dispose(),this.cone.geometry.dispose(),this.cone.material.dispose()}};var Ya=class extends Ki{constructor(e,t=null){super(),this.object=e,this.domElement=t,this.enabled=!0,this.state=-1,this.keys={},this.mouseButtons={LEFT:null,MIDDLE:null,RIGHT:null},this.touches={ONE:null,TWO:null}}connect(e){this.domElement!==null&&this.disconnect(),this.domElement=e}disconnect(){}dispose(){}update(){}};function gd(i,e,t,n){let s=nM(n);switch(t){case td:return i*e;case id:return i*e/s.components*s.byteLength;case ih:return i*e/s.components*s.byteLength;case hr:return i*e*2/s.components*s.byteLength;case sh:return i*e*2/s.components*s.byteLength;case nd:return i*e*3/s.components*s.byteLength;case es:return i*e*4/s.components*s.byteLength;case rh:return i*e*4/s.components*s.byteLength;case Ja:case ja:return Math.floor((i+3)/4)*Math.floor((e+3)/4)*8;case Qa:case el:return Math.floor((i+3)/4)*Math.floor((e+3)/4)*16;case ah:case ch:return Math.max(i,16)*Math.max(e,8)/4;case oh:case lh:return Math.max(i,8)*Math.max(e,8)/2;case hh:case uh:case dh:case ph:return Math.floor((i+3)/4)*Math.floor((e+3)/4)*8;case fh:case tl:case mh:return Math.floor((i+3)/4)*Math.floor((e+3)/4)*16;case gh:return Math.floor((i+3)/4)*Math.floor((e+3)/4)*16;case _h:return Math.floor((i+4)/5)*Math.floor((e+3)/4)*16;case yh:return Math.floor((i+4)/5)*Math.floor((e+4)/5)*16;case xh:return Math.floor((i+5)/6)*Math.floor((e+4)/5)*16;case vh:return Math.floor((i+5)/6)*Math.floor((e+5)/6)*16;case bh:return Math.floor((i+7)/8)*Math.floor((e+4)/5)*16;case Mh:return Math.floor((i+7)/8)*Math.floor((e+5)/6)*16;case Sh:return Math.floor((i+7)/8)*Math.floor((e+7)/8)*16;case wh:return Math.floor((i+9)/10)*Math.floor((e+4)/5)*16;case Ah:return Math.floor((i+9)/10)*Math.floor((e+5)/6)*16;case Eh:return Math.floor((i+9)/10)*Math.floor((e+7)/8)*16;case Th:return Math.floor((i+9)/10)*Math.floor((e+9)/10)*16;case Ch:return Math.floor((i+11)/12)*Math.floor((e+9)/10)*16;case Rh:return Math.floor((i+11)/12)*Math.floor((e+11)/12)*16;case Ih:case Ph:case Lh:return Math.ceil(i/4)*Math.ceil(e/4)*16;case Dh:case Nh:return Math.ceil(i/4)*Math.ceil(e/4)*8;case nl:case Uh:return Math.ceil(i/4)*Math.ceil(e/4)*16}throw new Error(`Unable to determine texture byte length for ${t} format.`)}function nM(i){switch(i){case hi:case Jf:return{byteLength:1,components:1};case Go:case jf:case Qi:return{byteLength:2,components:1};case th:case nh:return{byteLength:2,components:4};case Ji:case eh:case ji:return{byteLength:4,components:1};case Qf:case ed:return{byteLength:4,components:3}}throw new Error(`THREE.TextureUtils: Unknown texture type ${i}.`)}typeof __THREE_DEVTOOLS__<"u"&&__THREE_DEVTOOLS__.dispatchEvent(new CustomEvent("register",{detail:{revision:"187"}}));typeof window<"u"&&(window.__THREE__?Ye("WARNING: Multiple instances of Three.js being imported."):window.__THREE__="187");function q0(){let i=null,e=!1,t=null,n=null;function s(r,o){n=i.requestAnimationFrame(s),t(r,o)}return{start:function(){e!==!0&&t!==null&&i!==null&&(n=i.requestAnimationFrame(s),e=!0)},stop:function(){i!==null&&i.cancelAnimationFrame(n),e=!1},setAnimationLoop:function(r){t=r},setContext:function(r){i=r}}}function sM(i){let e=new WeakMap;function t(a,l){let c=a.array,h=a.usage,u=c.byteLength,f=i.createBuffer();i.bindBuffer(l,f),i.bufferData(l,c,h),a.onUploadCallback();let p;if(c instanceof Float32Array)p=i.FLOAT;else if(typeof Float16Array<"u"&&c instanceof Float16Array)p=i.HALF_FLOAT;else if(c instanceof Uint16Array)a.isFloat16BufferAttribute?p=i.HALF_FLOAT:p=i.UNSIGNED_SHORT;else if(c instanceof Int16Array)p=i.SHORT;else if(c instanceof Uint32Array)p=i.UNSIGNED_INT;else if(c instanceof Int32Array)p=i.INT;else if(c instanceof Int8Array)p=i.BYTE;else if(c instanceof Uint8Array)p=i.UNSIGNED_BYTE;else if(c instanceof Uint8ClampedArray)p=i.UNSIGNED_BYTE;else throw new Error("THREE.WebGLAttributes: Unsupported buffer data format: "+c);return{buffer:f,type:p,bytesPerElement:c.BYTES_PER_ELEMENT,version:a.version,size:u}}function n(a,l,c){let h=l.array,u=l.updateRanges;if(i.bindBuffer(c,a),u.length===0)i.bufferSubData(c,0,h);else{u.sort((p,g)=>p.start-g.start);let f=0;for(let p=1;p<u.length;p++){let g=u[f],x=u[p];x.start<=g.start+g.count+1?g.count=Math.max(g.count,x.start+x.count-g.start):(++f,u[f]=x)}u.length=f+1;for(let p=0,g=u.length;p<g;p++){let x=u[p];i.bufferSubData(c,x.start*h.BYTES_PER_ELEMENT,h,x.start,x.count)}l.clearUpdateRanges()}l.onUploadCallback()}function s(a){return a.isInterleavedBufferAttribute&&(a=a.data),e.get(a)}function r(a){a.isInterleavedBufferAttribute&&(a=a.data);let l=e.get(a);l&&(i.deleteBuffer(l.buffer),e.delete(a))}function o(a,l){if(a.isInterleavedBufferAttribute&&(a=a.data),a.isGLBufferAttribute){let h=e.get(a);(!h||h.version<a.version)&&e.set(a,{buffer:a.buffer,type:a.type,bytesPerElement:a.elementSize,version:a.version});return}let c=e.get(a);if(c===void 0)e.set(a,t(a,l));else if(c.version<a.version){if(c.size!==a.array.byteLength)throw new Error("THREE.WebGLAttributes: The size of the buffer attribute's array buffer does not match the original size. Resizing buffer attributes is not supported.");n(c.buffer,a,l),c.version=a.version}}return{get:s,remove:r,update:o}}var rM=`#ifdef USE_ALPHAHASH
+	if ( diffuseColor.a < getAlphaHashThreshold( vPosition ) ) discard;
+#endif`,oM=`#ifdef USE_ALPHAHASH
+	const float ALPHA_HASH_SCALE = 0.05;
+	float hash2D( vec2 value ) {
+		return fract( 1.0e4 * sin( 17.0 * value.x + 0.1 * value.y ) * ( 0.1 + abs( sin( 13.0 * value.y + value.x ) ) ) );
+	}
+	float hash3D( vec3 value ) {
+		return hash2D( vec2( hash2D( value.xy ), value.z ) );
+	}
+	float getAlphaHashThreshold( vec3 position ) {
+		float maxDeriv = max(
+			length( dFdx( position.xyz ) ),
+			length( dFdy( position.xyz ) )
+		);
+		float pixScale = 1.0 / ( ALPHA_HASH_SCALE * maxDeriv );
+		vec2 pixScales = vec2(
+			exp2( floor( log2( pixScale ) ) ),
+			exp2( ceil( log2( pixScale ) ) )
+		);
+		vec2 alpha = vec2(
+			hash3D( floor( pixScales.x * position.xyz ) ),
+			hash3D( floor( pixScales.y * position.xyz ) )
+		);
+		float lerpFactor = fract( log2( pixScale ) );
+		float x = ( 1.0 - lerpFactor ) * alpha.x + lerpFactor * alpha.y;
+		float a = min( lerpFactor, 1.0 - lerpFactor );
+		vec3 cases = vec3(
+			x * x / ( 2.0 * a * ( 1.0 - a ) ),
+			( x - 0.5 * a ) / ( 1.0 - a ),
+			1.0 - ( ( 1.0 - x ) * ( 1.0 - x ) / ( 2.0 * a * ( 1.0 - a ) ) )
+		);
+		float threshold = ( x < ( 1.0 - a ) )
+			? ( ( x < a ) ? cases.x : cases.y )
+			: cases.z;
+		return clamp( threshold , 1.0e-6, 1.0 );
+	}
+#endif`,aM=`#ifdef USE_ALPHAMAP
+	diffuseColor.a *= texture2D( alphaMap, vAlphaMapUv ).g;
+#endif`,lM=`#ifdef USE_ALPHAMAP
+	uniform sampler2D alphaMap;
+#endif`,cM=`#ifdef USE_ALPHATEST
+	#ifdef ALPHA_TO_COVERAGE
+	diffuseColor.a = smoothstep( alphaTest, alphaTest + fwidth( diffuseColor.a ), diffuseColor.a );
+	if ( diffuseColor.a == 0.0 ) discard;
+	#else
+	if ( diffuseColor.a < alphaTest ) discard;
+	#endif
+#endif`,hM=`#ifdef USE_ALPHATEST
+	uniform float alphaTest;
+#endif`,uM=`#ifdef USE_AOMAP
+	float ambientOcclusion = ( texture2D( aoMap, vAoMapUv ).r - 1.0 ) * aoMapIntensity + 1.0;
+	reflectedLight.indirectDiffuse *= ambientOcclusion;
+	#if defined( USE_CLEARCOAT ) 
+		clearcoatSpecularIndirect *= ambientOcclusion;
+	#endif
+	#if defined( USE_SHEEN ) 
+		sheenSpecularIndirect *= ambientOcclusion;
+	#endif
+	#if defined( USE_ENVMAP ) && defined( STANDARD )
+		float dotNV = saturate( dot( geometryNormal, geometryViewDir ) );
+		reflectedLight.indirectSpecular *= computeSpecularOcclusion( dotNV, ambientOcclusion, material.roughness );
+	#endif
+#endif`,fM=`#ifdef USE_AOMAP
+	uniform sampler2D aoMap;
+	uniform float aoMapIntensity;
+#endif`,dM=`#ifdef USE_BATCHING
+	#if ! defined( GL_ANGLE_multi_draw )
+	#define gl_DrawID _gl_DrawID
+	uniform int _gl_DrawID;
+	#endif
+	uniform highp sampler2D batchingTexture;
+	uniform highp usampler2D batchingIdTexture;
+	mat4 getBatchingMatrix( const in float i ) {
+		int size = textureSize( batchingTexture, 0 ).x;
+		int j = int( i ) * 4;
+		int x = j % size;
+		int y = j / size;
+		vec4 v1 = texelFetch( batchingTexture, ivec2( x, y ), 0 );
+		vec4 v2 = texelFetch( batchingTexture, ivec2( x + 1, y ), 0 );
+		vec4 v3 = texelFetch( batchingTexture, ivec2( x + 2, y ), 0 );
+		vec4 v4 = texelFetch( batchingTexture, ivec2( x + 3, y ), 0 );
+		return mat4( v1, v2, v3, v4 );
+	}
+	float getIndirectIndex( const in int i ) {
+		int size = textureSize( batchingIdTexture, 0 ).x;
+		int x = i % size;
+		int y = i / size;
+		return float( texelFetch( batchingIdTexture, ivec2( x, y ), 0 ).r );
+	}
+#endif
+#ifdef USE_BATCHING_COLOR
+	uniform sampler2D batchingColorTexture;
+	vec4 getBatchingColor( const in float i ) {
+		int size = textureSize( batchingColorTexture, 0 ).x;
+		int j = int( i );
+		int x = j % size;
+		int y = j / size;
+		return texelFetch( batchingColorTexture, ivec2( x, y ), 0 );
+	}
+#endif`,pM=`#ifdef USE_BATCHING
+	mat4 batchingMatrix = getBatchingMatrix( getIndirectIndex( gl_DrawID ) );
+#endif`,mM=`vec3 transformed = vec3( position );
+#ifdef USE_ALPHAHASH
+	vPosition = vec3( position );
+#endif`,gM=`vec3 objectNormal = vec3( normal );
+#ifdef USE_TANGENT
+	vec3 objectTangent = vec3( tangent.xyz );
+#endif`,_M=`float G_BlinnPhong_Implicit( ) {
+	return 0.25;
+}
+float D_BlinnPhong( const in float shininess, const in float dotNH ) {
+	return RECIPROCAL_PI * ( shininess * 0.5 + 1.0 ) * pow( dotNH, shininess );
+}
+vec3 BRDF_BlinnPhong( const in vec3 lightDir, const in vec3 viewDir, const in vec3 normal, const in vec3 specularColor, const in float shininess ) {
+	vec3 halfDir = normalize( lightDir + viewDir );
+	float dotNH = saturate( dot( normal, halfDir ) );
+	float dotVH = saturate( dot( viewDir, halfDir ) );
+	vec3 F = F_Schlick( specularColor, 1.0, dotVH );
+	float G = G_BlinnPhong_Implicit( );
+	float D = D_BlinnPhong( shininess, dotNH );
+	return F * ( G * D );
+} // validated`,yM=`#ifdef USE_IRIDESCENCE
+	const mat3 XYZ_TO_REC709 = mat3(
+		 3.2404542, -0.9692660,  0.0556434,
+		-1.5371385,  1.8760108, -0.2040259,
+		-0.4985314,  0.0415560,  1.0572252
+	);
+	vec3 Fresnel0ToIor( vec3 fresnel0 ) {
+		vec3 sqrtF0 = sqrt( fresnel0 );
+		return ( vec3( 1.0 ) + sqrtF0 ) / ( vec3( 1.0 ) - sqrtF0 );
+	}
+	vec3 IorToFresnel0( vec3 transmittedIor, float incidentIor ) {
+		return pow2( ( transmittedIor - vec3( incidentIor ) ) / ( transmittedIor + vec3( incidentIor ) ) );
+	}
+	float IorToFresnel0( float transmittedIor, float incidentIor ) {
+		return pow2( ( transmittedIor - incidentIor ) / ( transmittedIor + incidentIor ));
+	}
+	vec3 evalSensitivity( float OPD, vec3 shift ) {
+		float phase = 2.0 * PI * OPD * 1.0e-9;
+		vec3 val = vec3( 5.4856e-13, 4.4201e-13, 5.2481e-13 );
+		vec3 pos = vec3( 1.6810e+06, 1.7953e+06, 2.2084e+06 );
+		vec3 var = vec3( 4.3278e+09, 9.3046e+09, 6.6121e+09 );
+		vec3 xyz = val * sqrt( 2.0 * PI * var ) * cos( pos * phase + shift ) * exp( - pow2( phase ) * var );
+		xyz.x += 9.7470e-14 * sqrt( 2.0 * PI * 4.5282e+09 ) * cos( 2.2399e+06 * phase + shift[ 0 ] ) * exp( - 4.5282e+09 * pow2( phase ) );
+		xyz /= 1.0685e-7;
+		vec3 rgb = XYZ_TO_REC709 * xyz;
+		return rgb;
+	}
+	vec3 evalIridescence( float outsideIOR, float eta2, float cosTheta1, float thinFilmThickness, vec3 baseF0 ) {
+		vec3 I;
+		float iridescenceIOR = mix( outsideIOR, eta2, smoothstep( 0.0, 0.03, thinFilmThickness ) );
+		float sinTheta2Sq = pow2( outsideIOR / iridescenceIOR ) * ( 1.0 - pow2( cosTheta1 ) );
+		float cosTheta2Sq = 1.0 - sinTheta2Sq;
+		if ( cosTheta2Sq < 0.0 ) {
+			return vec3( 1.0 );
+		}
+		float cosTheta2 = sqrt( cosTheta2Sq );
+		float R0 = IorToFresnel0( iridescenceIOR, outsideIOR );
+		float R12 = F_Schlick( R0, 1.0, cosTheta1 );
+		float T121 = 1.0 - R12;
+		float phi12 = 0.0;
+		if ( iridescenceIOR < outsideIOR ) phi12 = PI;
+		float phi21 = PI - phi12;
+		vec3 baseIOR = Fresnel0ToIor( clamp( baseF0, 0.0, 0.9999 ) );		vec3 R1 = IorToFresnel0( baseIOR, iridescenceIOR );
+		vec3 R23 = F_Schlick( R1, 1.0, cosTheta2 );
+		vec3 phi23 = vec3( 0.0 );
+		if ( baseIOR[ 0 ] < iridescenceIOR ) phi23[ 0 ] = PI;
+		if ( baseIOR[ 1 ] < iridescenceIOR ) phi23[ 1 ] = PI;
+		if ( baseIOR[ 2 ] < iridescenceIOR ) phi23[ 2 ] = PI;
+		float OPD = 2.0 * iridescenceIOR * thinFilmThickness * cosTheta2;
+		vec3 phi = vec3( phi21 ) + phi23;
+		vec3 R123 = clamp( R12 * R23, 1e-5, 0.9999 );
+		vec3 r123 = sqrt( R123 );
+		vec3 Rs = pow2( T121 ) * R23 / ( vec3( 1.0 ) - R123 );
+		vec3 C0 = R12 + Rs;
+		I = C0;
+		vec3 Cm = Rs - T121;
+		for ( int m = 1; m <= 2; ++ m ) {
+			Cm *= r123;
+			vec3 Sm = 2.0 * evalSensitivity( float( m ) * OPD, float( m ) * phi );
+			I += Cm * Sm;
+		}
+		return max( I, vec3( 0.0 ) );
+	}
+#endif`,xM=`#ifdef USE_BUMPMAP
+	uniform sampler2D bumpMap;
+	uniform float bumpScale;
+	vec2 dHdxy_fwd() {
+		vec2 dSTdx = dFdx( vBumpMapUv );
+		vec2 dSTdy = dFdy( vBumpMapUv );
+		float Hll = bumpScale * texture2D( bumpMap, vBumpMapUv ).x;
+		float dBx = bumpScale * texture2D( bumpMap, vBumpMapUv + dSTdx ).x - Hll;
+		float dBy = bumpScale * texture2D( bumpMap, vBumpMapUv + dSTdy ).x - Hll;
+		return vec2( dBx, dBy );
+	}
+	vec3 perturbNormalArb( vec3 surf_pos, vec3 surf_norm, vec2 dHdxy, float faceDirection ) {
+		vec3 vSigmaX = normalize( dFdx( surf_pos.xyz ) );
+		vec3 vSigmaY = normalize( dFdy( surf_pos.xyz ) );
+		vec3 vN = surf_norm;
+		vec3 R1 = cross( vSigmaY, vN );
+		vec3 R2 = cross( vN, vSigmaX );
+		float fDet = dot( vSigmaX, R1 ) * faceDirection;
+		vec3 vGrad = sign( fDet ) * ( dHdxy.x * R1 + dHdxy.y * R2 );
+		return normalize( abs( fDet ) * surf_norm - vGrad );
+	}
+#endif`,vM=`#if NUM_CLIPPING_PLANES > 0
+	vec4 plane;
+	#ifdef ALPHA_TO_COVERAGE
+		float distanceToPlane, distanceGradient;
+		float clipOpacity = 1.0;
+		#pragma unroll_loop_start
+		for ( int i = 0; i < UNION_CLIPPING_PLANES; i ++ ) {
+			plane = clippingPlanes[ i ];
+			distanceToPlane = - dot( vClipPosition, plane.xyz ) + plane.w;
+			distanceGradient = fwidth( distanceToPlane ) / 2.0;
+			clipOpacity *= smoothstep( - distanceGradient, distanceGradient, distanceToPlane );
+			if ( clipOpacity == 0.0 ) discard;
+		}
+		#pragma unroll_loop_end
+		#if UNION_CLIPPING_PLANES < NUM_CLIPPING_PLANES
+			float unionClipOpacity = 1.0;
+			#pragma unroll_loop_start
+			for ( int i = UNION_CLIPPING_PLANES; i < NUM_CLIPPING_PLANES; i ++ ) {
+				plane = clippingPlanes[ i ];
+				distanceToPlane = - dot( vClipPosition, plane.xyz ) + plane.w;
+				distanceGradient = fwidth( distanceToPlane ) / 2.0;
+				unionClipOpacity *= 1.0 - smoothstep( - distanceGradient, distanceGradient, distanceToPlane );
+			}
+			#pragma unroll_loop_end
+			clipOpacity *= 1.0 - unionClipOpacity;
+		#endif
+		diffuseColor.a *= clipOpacity;
+		if ( diffuseColor.a == 0.0 ) discard;
+	#else
+		#pragma unroll_loop_start
+		for ( int i = 0; i < UNION_CLIPPING_PLANES; i ++ ) {
+			plane = clippingPlanes[ i ];
+			if ( dot( vClipPosition, plane.xyz ) > plane.w ) discard;
+		}
+		#pragma unroll_loop_end
+		#if UNION_CLIPPING_PLANES < NUM_CLIPPING_PLANES
+			bool clipped = true;
+			#pragma unroll_loop_start
+			for ( int i = UNION_CLIPPING_PLANES; i < NUM_CLIPPING_PLANES; i ++ ) {
+				plane = clippingPlanes[ i ];
+				clipped = ( dot( vClipPosition, plane.xyz ) > plane.w ) && clipped;
+			}
+			#pragma unroll_loop_end
+			if ( clipped ) discard;
+		#endif
+	#endif
+#endif`,bM=`#if NUM_CLIPPING_PLANES > 0
+	varying vec3 vClipPosition;
+	uniform vec4 clippingPlanes[ NUM_CLIPPING_PLANES ];
+#endif`,MM=`#if NUM_CLIPPING_PLANES > 0
+	varying vec3 vClipPosition;
+#endif`,SM=`#if NUM_CLIPPING_PLANES > 0
+	vClipPosition = - mvPosition.xyz;
+#endif`,wM=`#if defined( USE_COLOR ) || defined( USE_COLOR_ALPHA )
+	diffuseColor *= vColor;
+#endif`,AM=`#if defined( USE_COLOR ) || defined( USE_COLOR_ALPHA )
+	varying vec4 vColor;
+#endif`,EM=`#if defined( USE_COLOR ) || defined( USE_COLOR_ALPHA ) || defined( USE_INSTANCING_COLOR ) || defined( USE_BATCHING_COLOR )
+	varying vec4 vColor;
+#endif`,TM=`#if defined( USE_COLOR ) || defined( USE_COLOR_ALPHA ) || defined( USE_INSTANCING_COLOR ) || defined( USE_BATCHING_COLOR )
+	vColor = vec4( 1.0 );
+#endif
+#ifdef USE_COLOR_ALPHA
+	vColor *= color;
+#elif defined( USE_COLOR )
+	vColor.rgb *= color;
+#endif
+#ifdef USE_INSTANCING_COLOR
+	vColor.rgb *= instanceColor.rgb;
+#endif
+#ifdef USE_BATCHING_COLOR
+	vColor *= getBatchingColor( getIndirectIndex( gl_DrawID ) );
+#endif`,CM=`#define PI 3.141592653589793
+#define PI2 6.283185307179586
+#define PI_HALF 1.5707963267948966
+#define RECIPROCAL_PI 0.3183098861837907
+#define RECIPROCAL_PI2 0.15915494309189535
+#define EPSILON 1e-6
+#ifndef saturate
+#define saturate( a ) clamp( a, 0.0, 1.0 )
+#endif
+#define whiteComplement( a ) ( 1.0 - saturate( a ) )
+float pow2( const in float x ) { return x*x; }
+vec3 pow2( const in vec3 x ) { return x*x; }
+float pow3( const in float x ) { return x*x*x; }
+float pow4( const in float x ) { float x2 = x*x; return x2*x2; }
+float max3( const in vec3 v ) { return max( max( v.x, v.y ), v.z ); }
+float average( const in vec3 v ) { return dot( v, vec3( 0.3333333 ) ); }
+highp float rand( const in vec2 uv ) {
+	const highp float a = 12.9898, b = 78.233, c = 43758.5453;
+	highp float dt = dot( uv.xy, vec2( a,b ) ), sn = mod( dt, PI );
+	return fract( sin( sn ) * c );
+}
+#ifdef HIGH_PRECISION
+	float precisionSafeLength( vec3 v ) { return length( v ); }
+#else
+	float precisionSafeLength( vec3 v ) {
+		float maxComponent = max3( abs( v ) );
+		return length( v / maxComponent ) * maxComponent;
+	}
+#endif
+struct IncidentLight {
+	vec3 color;
+	vec3 direction;
+	bool visible;
+};
+struct ReflectedLight {
+	vec3 directDiffuse;
+	vec3 directSpecular;
+	vec3 indirectDiffuse;
+	vec3 indirectSpecular;
+};
+#ifdef USE_ALPHAHASH
+	varying vec3 vPosition;
+#endif
+vec3 transformDirection( in vec3 dir, in mat4 matrix ) {
+	return normalize( ( matrix * vec4( dir, 0.0 ) ).xyz );
+}
+#define inverseTransformDirection transformDirectionByInverseViewMatrix
+vec3 transformNormalByInverseViewMatrix( in vec3 normal, in mat4 viewMatrix ) {
+	return normalize( ( vec4( normal, 0.0 ) * viewMatrix ).xyz );
+}
+vec3 transformDirectionByInverseViewMatrix( in vec3 dir, in mat4 viewMatrix ) {
+	return normalize( ( vec4( dir, 0.0 ) * viewMatrix ).xyz );
+}
+bool isPerspectiveMatrix( mat4 m ) {
+	return m[ 2 ][ 3 ] == - 1.0;
+}
+vec2 equirectUv( in vec3 dir ) {
+	float u = atan( dir.z, dir.x ) * RECIPROCAL_PI2 + 0.5;
+	float v = asin( clamp( dir.y, - 1.0, 1.0 ) ) * RECIPROCAL_PI + 0.5;
+	return vec2( u, v );
+}
+vec3 BRDF_Lambert( const in vec3 diffuseColor ) {
+	return RECIPROCAL_PI * diffuseColor;
+}
+vec3 F_Schlick( const in vec3 f0, const in float f90, const in float dotVH ) {
+	float fresnel = exp2( ( - 5.55473 * dotVH - 6.98316 ) * dotVH );
+	return f0 * ( 1.0 - fresnel ) + ( f90 * fresnel );
+}
+float F_Schlick( const in float f0, const in float f90, const in float dotVH ) {
+	float fresnel = exp2( ( - 5.55473 * dotVH - 6.98316 ) * dotVH );
+	return f0 * ( 1.0 - fresnel ) + ( f90 * fresnel );
+} // validated`,RM=`vec3 transformedNormal = objectNormal;
+#ifdef USE_TANGENT
+	vec3 transformedTangent = objectTangent;
+#endif
+#ifdef USE_BATCHING
+	mat3 bm = mat3( batchingMatrix );
+	transformedNormal /= vec3( dot( bm[ 0 ], bm[ 0 ] ), dot( bm[ 1 ], bm[ 1 ] ), dot( bm[ 2 ], bm[ 2 ] ) );
+	transformedNormal = bm * transformedNormal;
+	#ifdef USE_TANGENT
+		transformedTangent = bm * transformedTangent;
+	#endif
+#endif
+#ifdef USE_INSTANCING
+	mat3 im = mat3( instanceMatrix );
+	transformedNormal /= vec3( dot( im[ 0 ], im[ 0 ] ), dot( im[ 1 ], im[ 1 ] ), dot( im[ 2 ], im[ 2 ] ) );
+	transformedNormal = im * transformedNormal;
+	#ifdef USE_TANGENT
+		transformedTangent = im * transformedTangent;
+	#endif
+#endif
+transformedNormal = normalMatrix * transformedNormal;
+#ifdef FLIP_SIDED
+	transformedNormal = - transformedNormal;
+#endif
+#ifdef USE_TANGENT
+	transformedTangent = ( modelViewMatrix * vec4( transformedTangent, 0.0 ) ).xyz;
+#endif`,IM=`#ifdef USE_DISPLACEMENTMAP
+	uniform sampler2D displacementMap;
+	uniform float displacementScale;
+	uniform float displacementBias;
+#endif`,PM=`#ifdef USE_DISPLACEMENTMAP
+	transformed += normalize( objectNormal ) * ( texture2D( displacementMap, vDisplacementMapUv ).x * displacementScale + displacementBias );
+#endif`,LM=`#ifdef USE_EMISSIVEMAP
+	vec4 emissiveColor = texture2D( emissiveMap, vEmissiveMapUv );
+	#ifdef DECODE_VIDEO_TEXTURE_EMISSIVE
+		emissiveColor = sRGBTransferEOTF( emissiveColor );
+	#endif
+	totalEmissiveRadiance *= emissiveColor.rgb;
+#endif`,DM=`#ifdef USE_EMISSIVEMAP
+	uniform sampler2D emissiveMap;
+#endif`,NM="gl_FragColor = linearToOutputTexel( gl_FragColor );",UM=`vec4 LinearTransferOETF( in vec4 value ) {
+	return value;
+}
+vec4 sRGBTransferEOTF( in vec4 value ) {
+	return vec4( mix( pow( value.rgb * 0.9478672986 + vec3( 0.0521327014 ), vec3( 2.4 ) ), value.rgb * 0.0773993808, vec3( lessThanEqual( value.rgb, vec3( 0.04045 ) ) ) ), value.a );
+}
+vec4 sRGBTransferOETF( in vec4 value ) {
+	return vec4( mix( pow( value.rgb, vec3( 0.41666 ) ) * 1.055 - vec3( 0.055 ), value.rgb * 12.92, vec3( lessThanEqual( value.rgb, vec3( 0.0031308 ) ) ) ), value.a );
+}`,FM=`#ifdef USE_ENVMAP
+	#ifdef ENV_WORLDPOS
+		vec3 cameraToFrag;
+		if ( isOrthographic ) {
+			cameraToFrag = normalize( vec3( - viewMatrix[ 0 ][ 2 ], - viewMatrix[ 1 ][ 2 ], - viewMatrix[ 2 ][ 2 ] ) );
+		} else {
+			cameraToFrag = normalize( vWorldPosition - cameraPosition );
+		}
+		vec3 worldNormal = transformNormalByInverseViewMatrix( normal, viewMatrix );
+		#ifdef ENVMAP_MODE_REFLECTION
+			vec3 reflectVec = reflect( cameraToFrag, worldNormal );
+		#else
+			vec3 reflectVec = refract( cameraToFrag, worldNormal, refractionRatio );
+		#endif
+	#else
+		vec3 reflectVec = vReflect;
+	#endif
+	#ifdef ENVMAP_TYPE_CUBE
+		vec4 envColor = textureCube( envMap, envMapRotation * reflectVec );
+		#ifdef ENVMAP_BLENDING_MULTIPLY
+			outgoingLight = mix( outgoingLight, outgoingLight * envColor.xyz, specularStrength * reflectivity );
+		#elif defined( ENVMAP_BLENDING_MIX )
+			outgoingLight = mix( outgoingLight, envColor.xyz, specularStrength * reflectivity );
+		#elif defined( ENVMAP_BLENDING_ADD )
+			outgoingLight += envColor.xyz * specularStrength * reflectivity;
+		#endif
+	#endif
+#endif`,OM=`#ifdef USE_ENVMAP
+	uniform float envMapIntensity;
+	uniform mat3 envMapRotation;
+	uniform samplerCube envMap;
+	#ifdef ENVMAP_TYPE_PMREM
+		float roughnessToMip( const in float roughness ) {
+			float r = clamp( roughness, 0.0, 1.0 );
+			return ENVMAP_MAX_LOD * r * ( 2.0 - r );
+		}
+	#endif
+#endif`,BM=`#ifdef USE_ENVMAP
+	uniform float reflectivity;
+	#if defined( USE_BUMPMAP ) || defined( USE_NORMALMAP ) || defined( PHONG ) || defined( LAMBERT )
+		#define ENV_WORLDPOS
+	#endif
+	#ifdef ENV_WORLDPOS
+		varying vec3 vWorldPosition;
+		uniform float refractionRatio;
+	#else
+		varying vec3 vReflect;
+	#endif
+#endif`,kM=`#ifdef USE_ENVMAP
+	#if defined( USE_BUMPMAP ) || defined( USE_NORMALMAP ) || defined( PHONG ) || defined( LAMBERT )
+		#define ENV_WORLDPOS
+	#endif
+	#ifdef ENV_WORLDPOS
+		
+		varying vec3 vWorldPosition;
+	#else
+		varying vec3 vReflect;
+		uniform float refractionRatio;
+	#endif
+#endif`,zM=`#ifdef USE_ENVMAP
+	#ifdef ENV_WORLDPOS
+		vWorldPosition = worldPosition.xyz;
+	#else
+		vec3 cameraToVertex;
+		if ( isOrthographic ) {
+			cameraToVertex = normalize( vec3( - viewMatrix[ 0 ][ 2 ], - viewMatrix[ 1 ][ 2 ], - viewMatrix[ 2 ][ 2 ] ) );
+		} else {
+			cameraToVertex = normalize( worldPosition.xyz - cameraPosition );
+		}
+		vec3 worldNormal = transformNormalByInverseViewMatrix( transformedNormal, viewMatrix );
+		#ifdef ENVMAP_MODE_REFLECTION
+			vReflect = reflect( cameraToVertex, worldNormal );
+		#else
+			vReflect = refract( cameraToVertex, worldNormal, refractionRatio );
+		#endif
+	#endif
+#endif`,VM=`#ifdef USE_FOG
+	vFogDepth = - mvPosition.z;
+#endif`,HM=`#ifdef USE_FOG
+	varying float vFogDepth;
+#endif`,GM=`#ifdef USE_FOG
+	#ifdef FOG_EXP2
+		float fogFactor = 1.0 - exp( - fogDensity * fogDensity * vFogDepth * vFogDepth );
+	#else
+		float fogFactor = smoothstep( fogNear, fogFar, vFogDepth );
+	#endif
+	gl_FragColor.rgb = mix( gl_FragColor.rgb, fogColor, fogFactor );
+#endif`,WM=`#ifdef USE_FOG
+	uniform vec3 fogColor;
+	varying float vFogDepth;
+	#ifdef FOG_EXP2
+		uniform float fogDensity;
+	#else
+		uniform float fogNear;
+		uniform float fogFar;
+	#endif
+#endif`,XM=`#ifdef USE_GRADIENTMAP
+	uniform sampler2D gradientMap;
+#endif
+vec3 getGradientIrradiance( vec3 normal, vec3 lightDirection ) {
+	float dotNL = dot( normal, lightDirection );
+	vec2 coord = vec2( dotNL * 0.5 + 0.5, 0.0 );
+	#ifdef USE_GRADIENTMAP
+		return vec3( texture2D( gradientMap, coord ).r );
+	#else
+		vec2 fw = fwidth( coord ) * 0.5;
+		return mix( vec3( 0.7 ), vec3( 1.0 ), smoothstep( 0.7 - fw.x, 0.7 + fw.x, coord.x ) );
+	#endif
+}`,$M=`#ifdef USE_LIGHTMAP
+	uniform sampler2D lightMap;
+	uniform float lightMapIntensity;
+#endif`,qM=`LambertMaterial material;
+material.diffuseColor = diffuseColor.rgb;
+material.specularStrength = specularStrength;`,YM=`varying vec3 vViewPosition;
+struct LambertMaterial {
+	vec3 diffuseColor;
+	float specularStrength;
+};
+void RE_Direct_Lambert( const in IncidentLight directLight, const in vec3 geometryPosition, const in vec3 geometryNormal, const in vec3 geometryViewDir, const in vec3 geometryClearcoatNormal, const in LambertMaterial material, inout ReflectedLight reflectedLight ) {
+	float dotNL = saturate( dot( geometryNormal, directLight.direction ) );
+	vec3 irradiance = dotNL * directLight.color;
+	reflectedLight.directDiffuse += irradiance * BRDF_Lambert( material.diffuseColor );
+}
+void RE_IndirectDiffuse_Lambert( const in vec3 irradiance, const in vec3 geometryPosition, const in vec3 geometryNormal, const in vec3 geometryViewDir, const in vec3 geometryClearcoatNormal, const in LambertMaterial material, inout ReflectedLight reflectedLight ) {
+	reflectedLight.indirectDiffuse += irradiance * BRDF_Lambert( material.diffuseColor );
+}
+#define RE_Direct				RE_Direct_Lambert
+#define RE_IndirectDiffuse		RE_IndirectDiffuse_Lambert`,ZM=`uniform bool receiveShadow;
+uniform vec3 ambientLightColor;
+#if defined( USE_LIGHT_PROBES )
+	uniform vec3 lightProbe[ 9 ];
+#endif
+vec3 shGetIrradianceAt( in vec3 normal, in vec3 shCoefficients[ 9 ] ) {
+	float x = normal.x, y = normal.y, z = normal.z;
+	vec3 result = shCoefficients[ 0 ] * 0.886227;
+	result += shCoefficients[ 1 ] * 2.0 * 0.511664 * y;
+	result += shCoefficients[ 2 ] * 2.0 * 0.511664 * z;
+	result += shCoefficients[ 3 ] * 2.0 * 0.511664 * x;
+	result += shCoefficients[ 4 ] * 2.0 * 0.429043 * x * y;
+	result += shCoefficients[ 5 ] * 2.0 * 0.429043 * y * z;
+	result += shCoefficients[ 6 ] * ( 0.743125 * z * z - 0.247708 );
+	result += shCoefficients[ 7 ] * 2.0 * 0.429043 * x * z;
+	result += shCoefficients[ 8 ] * 0.429043 * ( x * x - y * y );
+	return result;
+}
+vec3 getLightProbeIrradiance( const in vec3 lightProbe[ 9 ], const in vec3 normal ) {
+	vec3 worldNormal = transformNormalByInverseViewMatrix( normal, viewMatrix );
+	vec3 irradiance = shGetIrradianceAt( worldNormal, lightProbe );
+	return irradiance;
+}
+vec3 getAmbientLightIrradiance( const in vec3 ambientLightColor ) {
+	vec3 irradiance = ambientLightColor;
+	return irradiance;
+}
+float getDistanceAttenuation( const in float lightDistance, const in float cutoffDistance, const in float decayExponent ) {
+	float distanceFalloff = 1.0 / max( pow( lightDistance, decayExponent ), 0.01 );
+	if ( cutoffDistance > 0.0 ) {
+		distanceFalloff *= pow2( saturate( 1.0 - pow4( lightDistance / cutoffDistance ) ) );
+	}
+	return distanceFalloff;
+}
+float getSpotAttenuation( const in float coneCosine, const in float penumbraCosine, const in float angleCosine ) {
+	return smoothstep( coneCosine, penumbraCosine, angleCosine );
+}
+#if NUM_SUN_LIGHTS > 0
+	struct SunLight {
+		vec3 direction;
+		vec3 color;
+	};
+	uniform SunLight sunLights[ NUM_SUN_LIGHTS ];
+	void getSunLightInfo( const in SunLight sunLight, out IncidentLight light ) {
+		light.color = sunLight.color;
+		light.direction = sunLight.direction;
+		light.visible = true;
+	}
+#endif
+#if NUM_DIR_LIGHTS > 0
+	struct DirectionalLight {
+		vec3 direction;
+		vec3 color;
+	};
+	uniform DirectionalLight directionalLights[ NUM_DIR_LIGHTS ];
+	void getDirectionalLightInfo( const in DirectionalLight directionalLight, out IncidentLight light ) {
+		light.color = directionalLight.color;
+		light.direction = directionalLight.direction;
+		light.visible = true;
+	}
+#endif
+#if NUM_POINT_LIGHTS > 0
+	struct PointLight {
+		vec3 position;
+		vec3 color;
+		float distance;
+		float decay;
+	};
+	uniform PointLight pointLights[ NUM_POINT_LIGHTS ];
+	void getPointLightInfo( const in PointLight pointLight, const in vec3 geometryPosition, out IncidentLight light ) {
+		vec3 lVector = pointLight.position - geometryPosition;
+		light.direction = normalize( lVector );
+		float lightDistance = length( lVector );
+		light.color = pointLight.color;
+		light.color *= getDistanceAttenuation( lightDistance, pointLight.distance, pointLight.decay );
+		light.visible = ( light.color != vec3( 0.0 ) );
+	}
+#endif
+#if NUM_SPOT_LIGHTS > 0
+	struct SpotLight {
+		vec3 position;
+		vec3 direction;
+		vec3 color;
+		float distance;
+		float decay;
+		float coneCos;
+		float penumbraCos;
+	};
+	uniform SpotLight spotLights[ NUM_SPOT_LIGHTS ];
+	void getSpotLightInfo( const in SpotLight spotLight, const in vec3 geometryPosition, out IncidentLight light ) {
+		vec3 lVector = spotLight.position - geometryPosition;
+		light.direction = normalize( lVector );
+		float angleCos = dot( light.direction, spotLight.direction );
+		float spotAttenuation = getSpotAttenuation( spotLight.coneCos, spotLight.penumbraCos, angleCos );
+		if ( spotAttenuation > 0.0 ) {
+			float lightDistance = length( lVector );
+			light.color = spotLight.color * spotAttenuation;
+			light.color *= getDistanceAttenuation( lightDistance, spotLight.distance, spotLight.decay );
+			light.visible = ( light.color != vec3( 0.0 ) );
+		} else {
+			light.color = vec3( 0.0 );
+			light.visible = false;
+		}
+	}
+#endif
+#if NUM_RECT_AREA_LIGHTS > 0
+	struct RectAreaLight {
+		vec3 color;
+		vec3 position;
+		vec3 halfWidth;
+		vec3 halfHeight;
+	};
+	uniform sampler2D ltc_1;	uniform sampler2D ltc_2;
+	uniform RectAreaLight rectAreaLights[ NUM_RECT_AREA_LIGHTS ];
+#endif
+#if NUM_HEMI_LIGHTS > 0
+	struct HemisphereLight {
+		vec3 direction;
+		vec3 skyColor;
+		vec3 groundColor;
+	};
+	uniform HemisphereLight hemisphereLights[ NUM_HEMI_LIGHTS ];
+	vec3 getHemisphereLightIrradiance( const in HemisphereLight hemiLight, const in vec3 normal ) {
+		float dotNL = dot( normal, hemiLight.direction );
+		float hemiDiffuseWeight = 0.5 * dotNL + 0.5;
+		vec3 irradiance = mix( hemiLight.groundColor, hemiLight.skyColor, hemiDiffuseWeight );
+		return irradiance;
+	}
+#endif
+#include <lightprobes_pars_fragment>`,KM=`#ifdef USE_ENVMAP
+	vec3 getIBLIrradiance( const in vec3 normal ) {
+		#ifdef ENVMAP_TYPE_PMREM
+			vec3 worldNormal = transformNormalByInverseViewMatrix( normal, viewMatrix );
+			vec4 envMapColor = textureLod( envMap, envMapRotation * worldNormal, ENVMAP_MAX_LOD );
+			return PI * envMapColor.rgb * envMapIntensity;
+		#else
+			return vec3( 0.0 );
+		#endif
+	}
+	vec3 getIBLRadiance( const in vec3 viewDir, const in vec3 normal, const in float roughness ) {
+		#ifdef ENVMAP_TYPE_PMREM
+			vec3 reflectVec = reflect( - viewDir, normal );
+			reflectVec = normalize( mix( reflectVec, normal, pow4( roughness ) ) );
+			reflectVec = transformDirectionByInverseViewMatrix( reflectVec, viewMatrix );
+			vec4 envMapColor = textureLod( envMap, envMapRotation * reflectVec, roughnessToMip( roughness ) );
+			return envMapColor.rgb * envMapIntensity;
+		#else
+			return vec3( 0.0 );
+		#endif
+	}
+	#ifdef USE_RETROREFLECTION
+		vec3 getIBLRetroRadiance( const in vec3 viewDir, const in vec3 normal, const in float roughness ) {
+			#ifdef ENVMAP_TYPE_PMREM
+				vec3 retroVec = normalize( mix( viewDir, normal, pow4( roughness ) ) );
+				retroVec = transformDirectionByInverseViewMatrix( retroVec, viewMatrix );
+				vec4 envMapColor = textureLod( envMap, envMapRotation * retroVec, roughnessToMip( roughness ) );
+				return envMapColor.rgb * envMapIntensity;
+			#else
+				return vec3( 0.0 );
+			#endif
+		}
+	#endif
+	#ifdef USE_ANISOTROPY
+		vec3 getIBLAnisotropyRadiance( const in vec3 viewDir, const in vec3 normal, const in float roughness, const in vec3 bitangent, const in float anisotropy ) {
+			#ifdef ENVMAP_TYPE_PMREM
+				vec3 bentNormal = cross( bitangent, viewDir );
+				bentNormal = normalize( cross( bentNormal, bitangent ) );
+				bentNormal = normalize( mix( bentNormal, normal, pow2( pow2( 1.0 - anisotropy * ( 1.0 - roughness ) ) ) ) );
+				return getIBLRadiance( viewDir, bentNormal, roughness );
+			#else
+				return vec3( 0.0 );
+			#endif
+		}
+		#ifdef USE_RETROREFLECTION
+			vec3 getIBLAnisotropyRetroRadiance( const in vec3 viewDir, const in vec3 normal, const in float roughness, const in vec3 bitangent, const in float anisotropy ) {
+				#ifdef ENVMAP_TYPE_PMREM
+					vec3 bentNormal = cross( bitangent, viewDir );
+					bentNormal = normalize( cross( bentNormal, bitangent ) );
+					bentNormal = normalize( mix( bentNormal, normal, pow2( pow2( 1.0 - anisotropy * ( 1.0 - roughness ) ) ) ) );
+					return getIBLRetroRadiance( viewDir, bentNormal, roughness );
+				#else
+					return vec3( 0.0 );
+				#endif
+			}
+		#endif
+	#endif
+#endif`,JM=`ToonMaterial material;
+material.diffuseColor = diffuseColor.rgb;`,jM=`varying vec3 vViewPosition;
+struct ToonMaterial {
+	vec3 diffuseColor;
+};
+void RE_Direct_Toon( const in IncidentLight directLight, const in vec3 geometryPosition, const in vec3 geometryNormal, const in vec3 geometryViewDir, const in vec3 geometryClearcoatNormal, const in ToonMaterial material, inout ReflectedLight reflectedLight ) {
+	vec3 irradiance = getGradientIrradiance( geometryNormal, directLight.direction ) * directLight.color;
+	reflectedLight.directDiffuse += irradiance * BRDF_Lambert( material.diffuseColor );
+}
+void RE_IndirectDiffuse_Toon( const in vec3 irradiance, const in vec3 geometryPosition, const in vec3 geometryNormal, const in vec3 geometryViewDir, const in vec3 geometryClearcoatNormal, const in ToonMaterial material, inout ReflectedLight reflectedLight ) {
+	reflectedLight.indirectDiffuse += irradiance * BRDF_Lambert( material.diffuseColor );
+}
+#define RE_Direct				RE_Direct_Toon
+#define RE_IndirectDiffuse		RE_IndirectDiffuse_Toon`,QM=`BlinnPhongMaterial material;
+material.diffuseColor = diffuseColor.rgb;
+material.specularColor = specular;
+material.specularShininess = shininess;
+material.specularStrength = specularStrength;`,eS=`varying vec3 vViewPosition;
+struct BlinnPhongMaterial {
+	vec3 diffuseColor;
+	vec3 specularColor;
+	float specularShininess;
+	float specularStrength;
+};
+void RE_Direct_BlinnPhong( const in IncidentLight directLight, const in vec3 geometryPosition, const in vec3 geometryNormal, const in vec3 geometryViewDir, const in vec3 geometryClearcoatNormal, const in BlinnPhongMaterial material, inout ReflectedLight reflectedLight ) {
+	float dotNL = saturate( dot( geometryNormal, directLight.direction ) );
+	vec3 irradiance = dotNL * directLight.color;
+	reflectedLight.directDiffuse += irradiance * BRDF_Lambert( material.diffuseColor );
+	reflectedLight.directSpecular += irradiance * BRDF_BlinnPhong( directLight.direction, geometryViewDir, geometryNormal, material.specularColor, material.specularShininess ) * material.specularStrength;
+}
+void RE_IndirectDiffuse_BlinnPhong( const in vec3 irradiance, const in vec3 geometryPosition, const in vec3 geometryNormal, const in vec3 geometryViewDir, const in vec3 geometryClearcoatNormal, const in BlinnPhongMaterial material, inout ReflectedLight reflectedLight ) {
+	reflectedLight.indirectDiffuse += irradiance * BRDF_Lambert( material.diffuseColor );
+}
+#define RE_Direct				RE_Direct_BlinnPhong
+#define RE_IndirectDiffuse		RE_IndirectDiffuse_BlinnPhong`,tS=`PhysicalMaterial material;
+material.diffuseColor = diffuseColor.rgb;
+material.diffuseContribution = diffuseColor.rgb * ( 1.0 - metalnessFactor );
+material.metalness = metalnessFactor;
+vec3 dxy = max( abs( dFdx( nonPerturbedNormal ) ), abs( dFdy( nonPerturbedNormal ) ) );
+float geometryRoughness = max( max( dxy.x, dxy.y ), dxy.z );
+material.roughness = max( roughnessFactor, 0.045 );
+material.roughness += geometryRoughness;
+material.roughness = min( material.roughness, 1.0 );
+#ifdef USE_DIFFUSE_ROUGHNESS
+	float diffuseRoughnessFactor = diffuseRoughness;
+	#ifdef USE_DIFFUSE_ROUGHNESSMAP
+		diffuseRoughnessFactor *= texture2D( diffuseRoughnessMap, vDiffuseRoughnessMapUv ).r;
+	#endif
+	material.diffuseRoughness = saturate( diffuseRoughnessFactor );
+#endif
+#ifdef IOR
+	material.ior = ior;
+	#ifdef USE_SPECULAR
+		float specularIntensityFactor = specularIntensity;
+		vec3 specularColorFactor = specularColor;
+		#ifdef USE_SPECULAR_COLORMAP
+			specularColorFactor *= texture2D( specularColorMap, vSpecularColorMapUv ).rgb;
+		#endif
+		#ifdef USE_SPECULAR_INTENSITYMAP
+			specularIntensityFactor *= texture2D( specularIntensityMap, vSpecularIntensityMapUv ).a;
+		#endif
+		material.specularF90 = mix( specularIntensityFactor, 1.0, metalnessFactor );
+	#else
+		float specularIntensityFactor = 1.0;
+		vec3 specularColorFactor = vec3( 1.0 );
+		material.specularF90 = 1.0;
+	#endif
+	material.specularColor = min( pow2( ( material.ior - 1.0 ) / ( material.ior + 1.0 ) ) * specularColorFactor, vec3( 1.0 ) ) * specularIntensityFactor;
+	material.specularColorBlended = mix( material.specularColor, diffuseColor.rgb, metalnessFactor );
+#else
+	material.specularColor = vec3( 0.04 );
+	material.specularColorBlended = mix( material.specularColor, diffuseColor.rgb, metalnessFactor );
+	material.specularF90 = 1.0;
+#endif
+#ifdef USE_CLEARCOAT
+	material.clearcoat = clearcoat;
+	material.clearcoatRoughness = clearcoatRoughness;
+	material.clearcoatF0 = vec3( 0.04 );
+	material.clearcoatF90 = 1.0;
+	#ifdef USE_CLEARCOATMAP
+		material.clearcoat *= texture2D( clearcoatMap, vClearcoatMapUv ).x;
+	#endif
+	#ifdef USE_CLEARCOAT_ROUGHNESSMAP
+		material.clearcoatRoughness *= texture2D( clearcoatRoughnessMap, vClearcoatRoughnessMapUv ).y;
+	#endif
+	material.clearcoat = saturate( material.clearcoat );	material.clearcoatRoughness = max( material.clearcoatRoughness, 0.045 );
+	material.clearcoatRoughness += geometryRoughness;
+	material.clearcoatRoughness = min( material.clearcoatRoughness, 1.0 );
+#endif
+#ifdef USE_DISPERSION
+	material.dispersion = dispersion;
+#endif
+#ifdef USE_RETROREFLECTION
+	material.retroreflectivity = retroreflectivity;
+#endif
+#ifdef USE_IRIDESCENCE
+	material.iridescence = iridescence;
+	material.iridescenceIOR = iridescenceIOR;
+	#ifdef USE_IRIDESCENCEMAP
+		material.iridescence *= texture2D( iridescenceMap, vIridescenceMapUv ).r;
+	#endif
+	#ifdef USE_IRIDESCENCE_THICKNESSMAP
+		material.iridescenceThickness = (iridescenceThicknessMaximum - iridescenceThicknessMinimum) * texture2D( iridescenceThicknessMap, vIridescenceThicknessMapUv ).g + iridescenceThicknessMinimum;
+	#else
+		material.iridescenceThickness = iridescenceThicknessMaximum;
+	#endif
+#endif
+#ifdef USE_SHEEN
+	material.sheenColor = sheenColor;
+	#ifdef USE_SHEEN_COLORMAP
+		material.sheenColor *= texture2D( sheenColorMap, vSheenColorMapUv ).rgb;
+	#endif
+	material.sheenRoughness = clamp( sheenRoughness, 0.0001, 1.0 );
+	#ifdef USE_SHEEN_ROUGHNESSMAP
+		material.sheenRoughness *= texture2D( sheenRoughnessMap, vSheenRoughnessMapUv ).a;
+	#endif
+#endif
+#ifdef USE_ANISOTROPY
+	#ifdef USE_ANISOTROPYMAP
+		mat2 anisotropyMat = mat2( anisotropyVector.x, anisotropyVector.y, - anisotropyVector.y, anisotropyVector.x );
+		vec3 anisotropyPolar = texture2D( anisotropyMap, vAnisotropyMapUv ).rgb;
+		vec2 anisotropyV = anisotropyMat * normalize( 2.0 * anisotropyPolar.rg - vec2( 1.0 ) ) * anisotropyPolar.b;
+	#else
+		vec2 anisotropyV = anisotropyVector;
+	#endif
+	material.anisotropy = length( anisotropyV );
+	if( material.anisotropy == 0.0 ) {
+		anisotropyV = vec2( 1.0, 0.0 );
+	} else {
+		anisotropyV /= material.anisotropy;
+		material.anisotropy = saturate( material.anisotropy );
+	}
+	material.alphaT = mix( pow2( material.roughness ), 1.0, pow2( material.anisotropy ) );
+	material.anisotropyT = tbn[ 0 ] * anisotropyV.x + tbn[ 1 ] * anisotropyV.y;
+	material.anisotropyB = tbn[ 1 ] * anisotropyV.x - tbn[ 0 ] * anisotropyV.y;
+#endif`,nS=`uniform sampler2D dfgLUT;
+struct PhysicalMaterial {
+	vec3 diffuseColor;
+	vec3 diffuseContribution;
+	vec3 specularColor;
+	vec3 specularColorBlended;
+	float roughness;
+	float metalness;
+	float specularF90;
+	float dispersion;
+	vec2 dfg;
+	vec3 multiScatteringCompensation;
+	#ifdef USE_DIFFUSE_ROUGHNESS
+		float diffuseRoughness;
+	#endif
+	#ifdef USE_RETROREFLECTION
+		float retroreflectivity;
+	#endif
+	#ifdef USE_CLEARCOAT
+		float clearcoat;
+		float clearcoatRoughness;
+		vec3 clearcoatF0;
+		float clearcoatF90;
+	#endif
+	#ifdef USE_IRIDESCENCE
+		float iridescence;
+		float iridescenceIOR;
+		float iridescenceThickness;
+		vec3 iridescenceFresnel;
+		vec3 iridescenceF0Dielectric;
+		vec3 iridescenceF0Metallic;
+	#endif
+	#ifdef USE_SHEEN
+		vec3 sheenColor;
+		float sheenRoughness;
+	#endif
+	#ifdef IOR
+		float ior;
+	#endif
+	#ifdef USE_TRANSMISSION
+		float transmission;
+		float transmissionAlpha;
+		float thickness;
+		float attenuationDistance;
+		vec3 attenuationColor;
+	#endif
+	#ifdef USE_ANISOTROPY
+		float anisotropy;
+		float alphaT;
+		vec3 anisotropyT;
+		vec3 anisotropyB;
+	#endif
+};
+vec3 clearcoatSpecularDirect = vec3( 0.0 );
+vec3 clearcoatSpecularIndirect = vec3( 0.0 );
+vec3 sheenSpecularDirect = vec3( 0.0 );
+vec3 sheenSpecularIndirect = vec3(0.0 );
+vec3 Schlick_to_F0( const in vec3 f, const in float f90, const in float dotVH ) {
+    float x = clamp( 1.0 - dotVH, 0.0, 1.0 );
+    float x2 = x * x;
+    float x5 = clamp( x * x2 * x2, 0.0, 0.9999 );
+    return ( f - vec3( f90 ) * x5 ) / ( 1.0 - x5 );
+}
+#ifdef USE_DIFFUSE_ROUGHNESS
+	const float EON_EPSILON = 1e-7;
+	float FON_DirectionalAlbedo( const in float mu, const in float roughness, const in float A ) {
+		float muComp = 1.0 - mu;
+		float gOverPi = muComp * ( 0.0571085289 + muComp * ( 0.491881867 + muComp * ( - 0.332181442 + muComp * 0.0714429953 ) ) );
+		return A * ( 1.0 + roughness * gOverPi );
+	}
+	vec3 BRDF_EON( const in vec3 lightDir, const in vec3 viewDir, const in vec3 normal, const in vec3 diffuseColor, const in float roughness ) {
+		vec3 rho = saturate( diffuseColor );
+		if ( roughness <= EON_EPSILON ) return BRDF_Lambert( rho );
+		float dotNL = saturate( dot( normal, lightDir ) );
+		float dotNV = saturate( dot( normal, viewDir ) );
+		float s = dot( lightDir, viewDir ) - dotNL * dotNV;
+		float sOverT = ( s > 0.0 ) ? s / max( max( dotNL, dotNV ), EON_EPSILON ) : s;
+		float A = 1.0 / ( 1.0 + ( 0.5 - 2.0 / ( 3.0 * PI ) ) * roughness );
+		vec3 singleScatter = rho * RECIPROCAL_PI * A * ( 1.0 + roughness * sOverT );
+		float averageAlbedo = A * ( 1.0 + ( 2.0 / 3.0 - 28.0 / ( 15.0 * PI ) ) * roughness );
+		float albedoV = FON_DirectionalAlbedo( dotNV, roughness, A );
+		float albedoL = FON_DirectionalAlbedo( dotNL, roughness, A );
+		vec3 rhoMultiScatter = rho * rho * averageAlbedo / max( vec3( EON_EPSILON ), vec3( 1.0 ) - rho * ( 1.0 - averageAlbedo ) );
+		vec3 multiScatter = rhoMultiScatter * RECIPROCAL_PI
+			* max( EON_EPSILON, 1.0 - albedoV )
+			* max( EON_EPSILON, 1.0 - albedoL )
+			/ max( EON_EPSILON, 1.0 - averageAlbedo );
+		return singleScatter + multiScatter;
+	}
+	vec3 EON_DirectionalAlbedo( const in vec3 diffuseColor, const in float roughness, const in float dotNV ) {
+		vec3 rho = saturate( diffuseColor );
+		if ( roughness <= EON_EPSILON ) return rho;
+		float A = 1.0 / ( 1.0 + ( 0.5 - 2.0 / ( 3.0 * PI ) ) * roughness );
+		float directionalAlbedo = FON_DirectionalAlbedo( dotNV, roughness, A );
+		float averageAlbedo = A * ( 1.0 + ( 2.0 / 3.0 - 28.0 / ( 15.0 * PI ) ) * roughness );
+		vec3 rhoMultiScatter = rho * rho * averageAlbedo / max( vec3( EON_EPSILON ), vec3( 1.0 ) - rho * ( 1.0 - averageAlbedo ) );
+		return rho * directionalAlbedo + rhoMultiScatter * ( 1.0 - directionalAlbedo );
+	}
+#endif
+float V_GGX_SmithCorrelated( const in float alpha, const in float dotNL, const in float dotNV ) {
+	float a2 = pow2( alpha );
+	float gv = dotNL * sqrt( a2 + ( 1.0 - a2 ) * pow2( dotNV ) );
+	float gl = dotNV * sqrt( a2 + ( 1.0 - a2 ) * pow2( dotNL ) );
+	return 0.5 / max( gv + gl, EPSILON );
+}
+float D_GGX( const in float alpha, const in float dotNH ) {
+	float a2 = pow2( alpha );
+	float denom = pow2( dotNH ) * ( a2 - 1.0 ) + 1.0;
+	return RECIPROCAL_PI * a2 / pow2( denom );
+}
+#ifdef USE_ANISOTROPY
+	float V_GGX_SmithCorrelated_Anisotropic( const in float alphaT, const in float alphaB, const in float dotTV, const in float dotBV, const in float dotTL, const in float dotBL, const in float dotNV, const in float dotNL ) {
+		float gv = dotNL * length( vec3( alphaT * dotTV, alphaB * dotBV, dotNV ) );
+		float gl = dotNV * length( vec3( alphaT * dotTL, alphaB * dotBL, dotNL ) );
+		return 0.5 / max( gv + gl, EPSILON );
+	}
+	float D_GGX_Anisotropic( const in float alphaT, const in float alphaB, const in float dotNH, const in float dotTH, const in float dotBH ) {
+		float a2 = alphaT * alphaB;
+		highp vec3 v = vec3( alphaB * dotTH, alphaT * dotBH, a2 * dotNH );
+		highp float v2 = dot( v, v );
+		float w2 = a2 / v2;
+		return RECIPROCAL_PI * a2 * pow2 ( w2 );
+	}
+#endif
+#ifdef USE_CLEARCOAT
+	vec3 BRDF_GGX_Clearcoat( const in vec3 lightDir, const in vec3 viewDir, const in vec3 normal, const in PhysicalMaterial material) {
+		vec3 f0 = material.clearcoatF0;
+		float f90 = material.clearcoatF90;
+		float roughness = max( material.clearcoatRoughness, 0.045 );
+		float alpha = pow2( roughness );
+		vec3 halfDir = normalize( lightDir + viewDir );
+		float dotNL = saturate( dot( normal, lightDir ) );
+		float dotNV = saturate( dot( normal, viewDir ) );
+		float dotNH = saturate( dot( normal, halfDir ) );
+		float dotVH = saturate( dot( viewDir, halfDir ) );
+		vec3 F = F_Schlick( f0, f90, dotVH );
+		float V = V_GGX_SmithCorrelated( alpha, dotNL, dotNV );
+		float D = D_GGX( alpha, dotNH );
+		return F * ( V * D );
+	}
+#endif
+vec3 BRDF_GGX( const in vec3 lightDir, const in vec3 viewDir, const in vec3 normal, const in PhysicalMaterial material ) {
+	vec3 f0 = material.specularColorBlended;
+	float f90 = material.specularF90;
+	float roughness = max( material.roughness, 0.045 );
+	float alpha = pow2( roughness );
+	vec3 halfDir = normalize( lightDir + viewDir );
+	float dotNL = saturate( dot( normal, lightDir ) );
+	float dotNV = saturate( dot( normal, viewDir ) );
+	float dotNH = saturate( dot( normal, halfDir ) );
+	float dotVH = saturate( dot( viewDir, halfDir ) );
+	vec3 F = F_Schlick( f0, f90, dotVH );
+	#ifdef USE_IRIDESCENCE
+		F = mix( F, material.iridescenceFresnel, material.iridescence );
+	#endif
+	#ifdef USE_ANISOTROPY
+		float dotTL = dot( material.anisotropyT, lightDir );
+		float dotTV = dot( material.anisotropyT, viewDir );
+		float dotTH = dot( material.anisotropyT, halfDir );
+		float dotBL = dot( material.anisotropyB, lightDir );
+		float dotBV = dot( material.anisotropyB, viewDir );
+		float dotBH = dot( material.anisotropyB, halfDir );
+		float alphaT = max( material.alphaT, alpha );
+		float V = V_GGX_SmithCorrelated_Anisotropic( alphaT, alpha, dotTV, dotBV, dotTL, dotBL, dotNV, dotNL );
+		float D = D_GGX_Anisotropic( alphaT, alpha, dotNH, dotTH, dotBH );
+	#else
+		float V = V_GGX_SmithCorrelated( alpha, dotNL, dotNV );
+		float D = D_GGX( alpha, dotNH );
+	#endif
+	return F * ( V * D );
+}
+vec2 LTC_Uv( const in vec3 N, const in vec3 V, const in float roughness ) {
+	const float LUT_SIZE = 64.0;
+	const float LUT_SCALE = ( LUT_SIZE - 1.0 ) / LUT_SIZE;
+	const float LUT_BIAS = 0.5 / LUT_SIZE;
+	float dotNV = saturate( dot( N, V ) );
+	vec2 uv = vec2( roughness, sqrt( 1.0 - dotNV ) );
+	uv = uv * LUT_SCALE + LUT_BIAS;
+	return uv;
+}
+float LTC_ClippedSphereFormFactor( const in vec3 f ) {
+	float l = length( f );
+	return max( ( l * l + f.z ) / ( l + 1.0 ), 0.0 );
+}
+vec3 LTC_EdgeVectorFormFactor( const in vec3 v1, const in vec3 v2 ) {
+	float x = dot( v1, v2 );
+	float y = abs( x );
+	float a = 0.8543985 + ( 0.4965155 + 0.0145206 * y ) * y;
+	float b = 3.4175940 + ( 4.1616724 + y ) * y;
+	float v = a / b;
+	float theta_sintheta = ( x > 0.0 ) ? v : 0.5 * inversesqrt( max( 1.0 - x * x, 1e-7 ) ) - v;
+	return cross( v1, v2 ) * theta_sintheta;
+}
+vec3 LTC_Evaluate( const in vec3 N, const in vec3 V, const in vec3 P, const in mat3 mInv, const in vec3 rectCoords[ 4 ] ) {
+	vec3 v1 = rectCoords[ 1 ] - rectCoords[ 0 ];
+	vec3 v2 = rectCoords[ 3 ] - rectCoords[ 0 ];
+	vec3 lightNormal = cross( v1, v2 );
+	if( dot( lightNormal, P - rectCoords[ 0 ] ) < 0.0 ) return vec3( 0.0 );
+	vec3 T1, T2;
+	T1 = normalize( V - N * dot( V, N ) );
+	T2 = - cross( N, T1 );
+	mat3 mat = mInv * transpose( mat3( T1, T2, N ) );
+	vec3 coords[ 4 ];
+	coords[ 0 ] = mat * ( rectCoords[ 0 ] - P );
+	coords[ 1 ] = mat * ( rectCoords[ 1 ] - P );
+	coords[ 2 ] = mat * ( rectCoords[ 2 ] - P );
+	coords[ 3 ] = mat * ( rectCoords[ 3 ] - P );
+	coords[ 0 ] = normalize( coords[ 0 ] );
+	coords[ 1 ] = normalize( coords[ 1 ] );
+	coords[ 2 ] = normalize( coords[ 2 ] );
+	coords[ 3 ] = normalize( coords[ 3 ] );
+	vec3 vectorFormFactor = vec3( 0.0 );
+	vectorFormFactor += LTC_EdgeVectorFormFactor( coords[ 0 ], coords[ 1 ] );
+	vectorFormFactor += LTC_EdgeVectorFormFactor( coords[ 1 ], coords[ 2 ] );
+	vectorFormFactor += LTC_EdgeVectorFormFactor( coords[ 2 ], coords[ 3 ] );
+	vectorFormFactor += LTC_EdgeVectorFormFactor( coords[ 3 ], coords[ 0 ] );
+	float result = LTC_ClippedSphereFormFactor( vectorFormFactor );
+	return vec3( result );
+}
+#if defined( USE_SHEEN )
+float D_Charlie( float roughness, float dotNH ) {
+	float alpha = pow2( roughness );
+	float invAlpha = 1.0 / alpha;
+	float cos2h = dotNH * dotNH;
+	float sin2h = max( 1.0 - cos2h, 0.0078125 );
+	return ( 2.0 + invAlpha ) * pow( sin2h, invAlpha * 0.5 ) / ( 2.0 * PI );
+}
+float V_Neubelt( float dotNV, float dotNL ) {
+	return saturate( 1.0 / ( 4.0 * ( dotNL + dotNV - dotNL * dotNV ) ) );
+}
+vec3 BRDF_Sheen( const in vec3 lightDir, const in vec3 viewDir, const in vec3 normal, vec3 sheenColor, const in float sheenRoughness ) {
+	vec3 halfDir = normalize( lightDir + viewDir );
+	float dotNL = saturate( dot( normal, lightDir ) );
+	float dotNV = saturate( dot( normal, viewDir ) );
+	float dotNH = saturate( dot( normal, halfDir ) );
+	float D = D_Charlie( sheenRoughness, dotNH );
+	float V = V_Neubelt( dotNV, dotNL );
+	return sheenColor * ( D * V );
+}
+#endif
+float IBLSheenBRDF( const in vec3 normal, const in vec3 viewDir, const in float roughness ) {
+	float dotNV = saturate( dot( normal, viewDir ) );
+	float r2 = roughness * roughness;
+	float rInv = 1.0 / ( roughness + 0.1 );
+	float a = -1.9362 + 1.0678 * roughness + 0.4573 * r2 - 0.8469 * rInv;
+	float b = -0.6014 + 0.5538 * roughness - 0.4670 * r2 - 0.1255 * rInv;
+	float DG = exp( a * dotNV + b );
+	return saturate( DG );
+}
+vec3 EnvironmentBRDF( const in vec3 normal, const in vec3 viewDir, const in vec3 specularColor, const in float specularF90, const in float roughness ) {
+	float dotNV = saturate( dot( normal, viewDir ) );
+	vec2 fab = texture2D( dfgLUT, vec2( roughness, dotNV ) ).rg;
+	return specularColor * fab.x + specularF90 * fab.y;
+}
+#ifdef USE_IRIDESCENCE
+void computeMultiscatteringIridescence( const in vec2 fab, const in vec3 specularColor, const in float specularF90, const in float iridescence, const in vec3 iridescenceF0, inout vec3 singleScatter, inout vec3 multiScatter ) {
+#else
+void computeMultiscattering( const in vec2 fab, const in vec3 specularColor, const in float specularF90, inout vec3 singleScatter, inout vec3 multiScatter ) {
+#endif
+	#ifdef USE_IRIDESCENCE
+		vec3 Fr = mix( specularColor, iridescenceF0, iridescence );
+	#else
+		vec3 Fr = specularColor;
+	#endif
+	vec3 FssEss = Fr * fab.x + specularF90 * fab.y;
+	float Ess = fab.x + fab.y;
+	float Ems = 1.0 - Ess;
+	vec3 Favg = Fr + ( 1.0 - Fr ) * 0.047619;	vec3 Fms = FssEss * Favg / ( 1.0 - Ems * Favg );
+	singleScatter += FssEss;
+	multiScatter += Fms * Ems;
+}
+#if NUM_RECT_AREA_LIGHTS > 0
+	void RE_Direct_RectArea_Physical( const in RectAreaLight rectAreaLight, const in vec3 geometryPosition, const in vec3 geometryNormal, const in vec3 geometryViewDir, const in vec3 geometryClearcoatNormal, const in PhysicalMaterial material, inout ReflectedLight reflectedLight ) {
+		vec3 normal = geometryNormal;
+		vec3 viewDir = geometryViewDir;
+		vec3 position = geometryPosition;
+		vec3 lightPos = rectAreaLight.position;
+		vec3 halfWidth = rectAreaLight.halfWidth;
+		vec3 halfHeight = rectAreaLight.halfHeight;
+		vec3 lightColor = rectAreaLight.color;
+		float roughness = material.roughness;
+		vec3 rectCoords[ 4 ];
+		rectCoords[ 0 ] = lightPos + halfWidth - halfHeight;		rectCoords[ 1 ] = lightPos - halfWidth - halfHeight;
+		rectCoords[ 2 ] = lightPos - halfWidth + halfHeight;
+		rectCoords[ 3 ] = lightPos + halfWidth + halfHeight;
+		vec2 uv = LTC_Uv( normal, viewDir, roughness );
+		vec4 t1 = texture2D( ltc_1, uv );
+		vec4 t2 = texture2D( ltc_2, uv );
+		mat3 mInv = mat3(
+			vec3( t1.x, 0, t1.y ),
+			vec3(    0, 1,    0 ),
+			vec3( t1.z, 0, t1.w )
+		);
+		vec3 fresnel = ( material.specularColorBlended * t2.x + ( material.specularF90 - material.specularColorBlended ) * t2.y );
+		reflectedLight.directSpecular += lightColor * fresnel * LTC_Evaluate( normal, viewDir, position, mInv, rectCoords );
+		reflectedLight.directDiffuse += lightColor * material.diffuseContribution * LTC_Evaluate( normal, viewDir, position, mat3( 1.0 ), rectCoords );
+		#ifdef USE_CLEARCOAT
+			vec3 Ncc = geometryClearcoatNormal;
+			vec2 uvClearcoat = LTC_Uv( Ncc, viewDir, material.clearcoatRoughness );
+			vec4 t1Clearcoat = texture2D( ltc_1, uvClearcoat );
+			vec4 t2Clearcoat = texture2D( ltc_2, uvClearcoat );
+			mat3 mInvClearcoat = mat3(
+				vec3( t1Clearcoat.x, 0, t1Clearcoat.y ),
+				vec3(             0, 1,             0 ),
+				vec3( t1Clearcoat.z, 0, t1Clearcoat.w )
+			);
+			vec3 fresnelClearcoat = material.clearcoatF0 * t2Clearcoat.x + ( material.clearcoatF90 - material.clearcoatF0 ) * t2Clearcoat.y;
+			clearcoatSpecularDirect += lightColor * fresnelClearcoat * LTC_Evaluate( Ncc, viewDir, position, mInvClearcoat, rectCoords );
+		#endif
+	}
+#endif
+void RE_Direct_Physical( const in IncidentLight directLight, const in vec3 geometryPosition, const in vec3 geometryNormal, const in vec3 geometryViewDir, const in vec3 geometryClearcoatNormal, const in PhysicalMaterial material, inout ReflectedLight reflectedLight ) {
+	float dotNL = saturate( dot( geometryNormal, directLight.direction ) );
+	vec3 irradiance = dotNL * directLight.color;
+	#ifdef USE_CLEARCOAT
+		float dotNLcc = saturate( dot( geometryClearcoatNormal, directLight.direction ) );
+		vec3 ccIrradiance = dotNLcc * directLight.color;
+		clearcoatSpecularDirect += ccIrradiance * BRDF_GGX_Clearcoat( directLight.direction, geometryViewDir, geometryClearcoatNormal, material );
+	#endif
+	#ifdef USE_SHEEN
+ 
+ 		sheenSpecularDirect += irradiance * BRDF_Sheen( directLight.direction, geometryViewDir, geometryNormal, material.sheenColor, material.sheenRoughness );
+ 
+ 		float sheenAlbedoV = IBLSheenBRDF( geometryNormal, geometryViewDir, material.sheenRoughness );
+ 		float sheenAlbedoL = IBLSheenBRDF( geometryNormal, directLight.direction, material.sheenRoughness );
+ 
+ 		float sheenEnergyComp = 1.0 - max3( material.sheenColor ) * max( sheenAlbedoV, sheenAlbedoL );
+ 
+ 		irradiance *= sheenEnergyComp;
+ 
+ 	#endif
+	vec3 specularBRDF = BRDF_GGX( directLight.direction, geometryViewDir, geometryNormal, material );
+	#ifdef USE_RETROREFLECTION
+		vec3 retroViewDir = reflect( - geometryViewDir, geometryNormal );
+		vec3 retroSpecularBRDF = BRDF_GGX( directLight.direction, retroViewDir, geometryNormal, material );
+		specularBRDF = mix( specularBRDF, retroSpecularBRDF, saturate( material.retroreflectivity ) );
+	#endif
+	reflectedLight.directSpecular += irradiance * specularBRDF * material.multiScatteringCompensation;
+	vec3 halfDir = normalize( directLight.direction + geometryViewDir );
+	float dotVH = saturate( dot( geometryViewDir, halfDir ) );
+	vec3 F = F_Schlick( material.specularColor, material.specularF90, dotVH );
+	#ifdef USE_RETROREFLECTION
+		vec3 retroHalfDir = normalize( directLight.direction + retroViewDir );
+		float dotRetroVH = saturate( dot( retroViewDir, retroHalfDir ) );
+		vec3 retroF = F_Schlick( material.specularColor, material.specularF90, dotRetroVH );
+		F = mix( F, retroF, saturate( material.retroreflectivity ) );
+	#endif
+	#ifdef USE_DIFFUSE_ROUGHNESS
+		vec3 diffuseBRDF = BRDF_EON( directLight.direction, geometryViewDir, geometryNormal, material.diffuseColor, material.diffuseRoughness ) * ( 1.0 - material.metalness );
+	#else
+		vec3 diffuseBRDF = BRDF_Lambert( material.diffuseContribution );
+	#endif
+	reflectedLight.directDiffuse += irradiance * diffuseBRDF * ( 1.0 - F );
+}
+void RE_IndirectDiffuse_Physical( const in vec3 irradiance, const in vec3 geometryPosition, const in vec3 geometryNormal, const in vec3 geometryViewDir, const in vec3 geometryClearcoatNormal, const in PhysicalMaterial material, inout ReflectedLight reflectedLight ) {
+	vec3 singleScattering = vec3( 0.0 );
+	vec3 multiScattering = vec3( 0.0 );
+	#ifdef USE_IRIDESCENCE
+		computeMultiscatteringIridescence( material.dfg, material.specularColor, material.specularF90, material.iridescence, material.iridescenceF0Dielectric, singleScattering, multiScattering );
+	#else
+		computeMultiscattering( material.dfg, material.specularColor, material.specularF90, singleScattering, multiScattering );
+	#endif
+	#ifdef USE_DIFFUSE_ROUGHNESS
+		float dotNV = saturate( dot( geometryNormal, geometryViewDir ) );
+		vec3 diffuseAlbedo = EON_DirectionalAlbedo( material.diffuseColor, material.diffuseRoughness, dotNV ) * ( 1.0 - material.metalness );
+		vec3 diffuse = irradiance * RECIPROCAL_PI * diffuseAlbedo * ( 1.0 - singleScattering - multiScattering );
+	#else
+		vec3 diffuse = irradiance * BRDF_Lambert( material.diffuseContribution ) * ( 1.0 - singleScattering - multiScattering );
+	#endif
+	#ifdef USE_SHEEN
+		float sheenAlbedo = IBLSheenBRDF( geometryNormal, geometryViewDir, material.sheenRoughness );
+		sheenSpecularIndirect += irradiance * material.sheenColor * sheenAlbedo * RECIPROCAL_PI;
+		float sheenEnergyComp = 1.0 - max3( material.sheenColor ) * sheenAlbedo;
+		diffuse *= sheenEnergyComp;
+	#endif
+	reflectedLight.indirectDiffuse += diffuse;
+}
+void RE_IndirectSpecular_Physical( const in vec3 radiance, const in vec3 irradiance, const in vec3 clearcoatRadiance, const in vec3 geometryPosition, const in vec3 geometryNormal, const in vec3 geometryViewDir, const in vec3 geometryClearcoatNormal, const in PhysicalMaterial material, inout ReflectedLight reflectedLight) {
+	#ifdef USE_CLEARCOAT
+		clearcoatSpecularIndirect += clearcoatRadiance * EnvironmentBRDF( geometryClearcoatNormal, geometryViewDir, material.clearcoatF0, material.clearcoatF90, material.clearcoatRoughness );
+	#endif
+	#ifdef USE_SHEEN
+		sheenSpecularIndirect += irradiance * material.sheenColor * IBLSheenBRDF( geometryNormal, geometryViewDir, material.sheenRoughness ) * RECIPROCAL_PI;
+ 	#endif
+	vec3 singleScatteringDielectric = vec3( 0.0 );
+	vec3 multiScatteringDielectric = vec3( 0.0 );
+	vec3 singleScatteringMetallic = vec3( 0.0 );
+	vec3 multiScatteringMetallic = vec3( 0.0 );
+	#ifdef USE_IRIDESCENCE
+		computeMultiscatteringIridescence( material.dfg, material.specularColor, material.specularF90, material.iridescence, material.iridescenceF0Dielectric, singleScatteringDielectric, multiScatteringDielectric );
+		computeMultiscatteringIridescence( material.dfg, material.diffuseColor, material.specularF90, material.iridescence, material.iridescenceF0Metallic, singleScatteringMetallic, multiScatteringMetallic );
+	#else
+		computeMultiscattering( material.dfg, material.specularColor, material.specularF90, singleScatteringDielectric, multiScatteringDielectric );
+		computeMultiscattering( material.dfg, material.diffuseColor, material.specularF90, singleScatteringMetallic, multiScatteringMetallic );
+	#endif
+	vec3 singleScattering = mix( singleScatteringDielectric, singleScatteringMetallic, material.metalness );
+	vec3 multiScattering = mix( multiScatteringDielectric, multiScatteringMetallic, material.metalness );
+	vec3 totalScatteringDielectric = singleScatteringDielectric + multiScatteringDielectric;
+	#ifdef USE_DIFFUSE_ROUGHNESS
+		float dotNV = saturate( dot( geometryNormal, geometryViewDir ) );
+		vec3 diffuse = EON_DirectionalAlbedo( material.diffuseColor, material.diffuseRoughness, dotNV ) * ( 1.0 - material.metalness ) * ( 1.0 - totalScatteringDielectric );
+	#else
+		vec3 diffuse = material.diffuseContribution * ( 1.0 - totalScatteringDielectric );
+	#endif
+	vec3 cosineWeightedIrradiance = irradiance * RECIPROCAL_PI;
+	vec3 indirectSpecular = radiance * singleScattering;
+	indirectSpecular += multiScattering * cosineWeightedIrradiance;
+	vec3 indirectDiffuse = diffuse * cosineWeightedIrradiance;
+	#ifdef USE_SHEEN
+		float sheenAlbedo = IBLSheenBRDF( geometryNormal, geometryViewDir, material.sheenRoughness );
+		float sheenEnergyComp = 1.0 - max3( material.sheenColor ) * sheenAlbedo;
+		indirectSpecular *= sheenEnergyComp;
+		indirectDiffuse *= sheenEnergyComp;
+	#endif
+	reflectedLight.indirectSpecular += indirectSpecular;
+	reflectedLight.indirectDiffuse += indirectDiffuse;
+}
+#define RE_Direct				RE_Direct_Physical
+#define RE_Direct_RectArea		RE_Direct_RectArea_Physical
+#define RE_IndirectDiffuse		RE_IndirectDiffuse_Physical
+#define RE_IndirectSpecular		RE_IndirectSpecular_Physical
+float computeSpecularOcclusion( const in float dotNV, const in float ambientOcclusion, const in float roughness ) {
+	return saturate( pow( dotNV + ambientOcclusion, exp2( - 16.0 * roughness - 1.0 ) ) - 1.0 + ambientOcclusion );
+}`,iS=`
+vec3 geometryPosition = - vViewPosition;
+vec3 geometryNormal = normal;
+vec3 geometryViewDir = ( isOrthographic ) ? vec3( 0, 0, 1 ) : normalize( vViewPosition );
+vec3 geometryClearcoatNormal = vec3( 0.0 );
+#ifdef USE_CLEARCOAT
+	geometryClearcoatNormal = clearcoatNormal;
+#endif
+#ifdef USE_IRIDESCENCE
+	float dotNVi = saturate( dot( normal, geometryViewDir ) );
+	if ( material.iridescenceThickness == 0.0 ) {
+		material.iridescence = 0.0;
+	} else {
+		material.iridescence = saturate( material.iridescence );
+	}
+	if ( material.iridescence > 0.0 ) {
+		vec3 iridescenceFresnelDielectric = evalIridescence( 1.0, material.iridescenceIOR, dotNVi, material.iridescenceThickness, material.specularColor );
+		vec3 iridescenceFresnelMetallic = evalIridescence( 1.0, material.iridescenceIOR, dotNVi, material.iridescenceThickness, material.diffuseColor );
+		material.iridescenceFresnel = mix( iridescenceFresnelDielectric, iridescenceFresnelMetallic, material.metalness );
+		material.iridescenceF0Dielectric = Schlick_to_F0( iridescenceFresnelDielectric, 1.0, dotNVi );
+		material.iridescenceF0Metallic = Schlick_to_F0( iridescenceFresnelMetallic, 1.0, dotNVi );
+	}
+#endif
+#ifdef STANDARD
+	float dotNVms = saturate( dot( geometryNormal, geometryViewDir ) );
+	material.dfg = texture2D( dfgLUT, vec2( material.roughness, dotNVms ) ).rg;
+	#if ( NUM_SUN_LIGHTS > 0 || NUM_DIR_LIGHTS > 0 || NUM_POINT_LIGHTS > 0 || NUM_SPOT_LIGHTS > 0 )
+		float EssMs = material.dfg.x + material.dfg.y;
+		material.multiScatteringCompensation = 1.0 + material.specularColorBlended * ( 1.0 / EssMs - 1.0 );
+	#endif
+#endif
+IncidentLight directLight;
+#if ( NUM_POINT_LIGHTS > 0 ) && defined( RE_Direct )
+	PointLight pointLight;
+	#if defined( USE_SHADOWMAP ) && NUM_POINT_LIGHT_SHADOWS > 0
+	PointLightShadow pointLightShadow;
+	#endif
+	#pragma unroll_loop_start
+	for ( int i = 0; i < NUM_POINT_LIGHTS; i ++ ) {
+		pointLight = pointLights[ i ];
+		getPointLightInfo( pointLight, geometryPosition, directLight );
+		#if defined( USE_SHADOWMAP ) && ( UNROLLED_LOOP_INDEX < NUM_POINT_LIGHT_SHADOWS ) && ( defined( SHADOWMAP_TYPE_PCF ) || defined( SHADOWMAP_TYPE_BASIC ) )
+		pointLightShadow = pointLightShadows[ i ];
+		directLight.color *= ( directLight.visible && receiveShadow ) ? getPointShadow( pointShadowMap[ i ], pointLightShadow.shadowMapSize, pointLightShadow.shadowIntensity, pointLightShadow.shadowBias, pointLightShadow.shadowRadius, vPointShadowCoord[ i ], pointLightShadow.shadowCameraNear, pointLightShadow.shadowCameraFar ) : 1.0;
+		#endif
+		RE_Direct( directLight, geometryPosition, geometryNormal, geometryViewDir, geometryClearcoatNormal, material, reflectedLight );
+	}
+	#pragma unroll_loop_end
+#endif
+#if ( NUM_SPOT_LIGHTS > 0 ) && defined( RE_Direct )
+	SpotLight spotLight;
+	vec4 spotColor;
+	vec3 spotLightCoord;
+	bool inSpotLightMap;
+	#if defined( USE_SHADOWMAP ) && NUM_SPOT_LIGHT_SHADOWS > 0
+	SpotLightShadow spotLightShadow;
+	#endif
+	#pragma unroll_loop_start
+	for ( int i = 0; i < NUM_SPOT_LIGHTS; i ++ ) {
+		spotLight = spotLights[ i ];
+		getSpotLightInfo( spotLight, geometryPosition, directLight );
+		#if ( UNROLLED_LOOP_INDEX < NUM_SPOT_LIGHT_SHADOWS_WITH_MAPS )
+		#define SPOT_LIGHT_MAP_INDEX UNROLLED_LOOP_INDEX
+		#elif ( UNROLLED_LOOP_INDEX < NUM_SPOT_LIGHT_SHADOWS )
+		#define SPOT_LIGHT_MAP_INDEX NUM_SPOT_LIGHT_MAPS
+		#else
+		#define SPOT_LIGHT_MAP_INDEX ( UNROLLED_LOOP_INDEX - NUM_SPOT_LIGHT_SHADOWS + NUM_SPOT_LIGHT_SHADOWS_WITH_MAPS )
+		#endif
+		#if ( SPOT_LIGHT_MAP_INDEX < NUM_SPOT_LIGHT_MAPS )
+			spotLightCoord = vSpotLightCoord[ i ].xyz / vSpotLightCoord[ i ].w;
+			inSpotLightMap = all( lessThan( abs( spotLightCoord * 2. - 1. ), vec3( 1.0 ) ) );
+			spotColor = texture2D( spotLightMap[ SPOT_LIGHT_MAP_INDEX ], spotLightCoord.xy );
+			directLight.color = inSpotLightMap ? directLight.color * spotColor.rgb : directLight.color;
+		#endif
+		#undef SPOT_LIGHT_MAP_INDEX
+		#if defined( USE_SHADOWMAP ) && ( UNROLLED_LOOP_INDEX < NUM_SPOT_LIGHT_SHADOWS )
+		spotLightShadow = spotLightShadows[ i ];
+		directLight.color *= ( directLight.visible && receiveShadow ) ? getShadow( spotShadowMap[ i ], spotLightShadow.shadowMapSize, spotLightShadow.shadowIntensity, spotLightShadow.shadowBias, spotLightShadow.shadowRadius, vSpotLightCoord[ i ] ) : 1.0;
+		#endif
+		RE_Direct( directLight, geometryPosition, geometryNormal, geometryViewDir, geometryClearcoatNormal, material, reflectedLight );
+	}
+	#pragma unroll_loop_end
+#endif
+#if ( NUM_SUN_LIGHTS > 0 ) && defined( RE_Direct )
+	SunLight sunLight;
+	#if defined( USE_SHADOWMAP ) && NUM_SUN_LIGHT_SHADOWS > 0
+	SunLightShadow sunLightShadow;
+	#endif
+	#pragma unroll_loop_start
+	for ( int i = 0; i < NUM_SUN_LIGHTS; i ++ ) {
+		sunLight = sunLights[ i ];
+		getSunLightInfo( sunLight, directLight );
+		#if defined( USE_SHADOWMAP ) && ( UNROLLED_LOOP_INDEX < NUM_SUN_LIGHT_SHADOWS )
+		sunLightShadow = sunLightShadows[ i ];
+		directLight.color *= ( directLight.visible && receiveShadow ) ? getSunShadow( sunShadowMap[ i ], sunLightShadow, UNROLLED_LOOP_INDEX ) : 1.0;
+		#endif
+		RE_Direct( directLight, geometryPosition, geometryNormal, geometryViewDir, geometryClearcoatNormal, material, reflectedLight );
+	}
+	#pragma unroll_loop_end
+#endif
+#if ( NUM_DIR_LIGHTS > 0 ) && defined( RE_Direct )
+	DirectionalLight directionalLight;
+	#if defined( USE_SHADOWMAP ) && NUM_DIR_LIGHT_SHADOWS > 0
+	DirectionalLightShadow directionalLightShadow;
+	#endif
+	#pragma unroll_loop_start
+	for ( int i = 0; i < NUM_DIR_LIGHTS; i ++ ) {
+		directionalLight = directionalLights[ i ];
+		getDirectionalLightInfo( directionalLight, directLight );
+		#if defined( USE_SHADOWMAP ) && ( UNROLLED_LOOP_INDEX < NUM_DIR_LIGHT_SHADOWS )
+		directionalLightShadow = directionalLightShadows[ i ];
+		directLight.color *= ( directLight.visible && receiveShadow ) ? getShadow( directionalShadowMap[ i ], directionalLightShadow.shadowMapSize, directionalLightShadow.shadowIntensity, directionalLightShadow.shadowBias, directionalLightShadow.shadowRadius, vDirectionalShadowCoord[ i ] ) : 1.0;
+		#endif
+		RE_Direct( directLight, geometryPosition, geometryNormal, geometryViewDir, geometryClearcoatNormal, material, reflectedLight );
+	}
+	#pragma unroll_loop_end
+#endif
+#if ( NUM_RECT_AREA_LIGHTS > 0 ) && defined( RE_Direct_RectArea )
+	RectAreaLight rectAreaLight;
+	#pragma unroll_loop_start
+	for ( int i = 0; i < NUM_RECT_AREA_LIGHTS; i ++ ) {
+		rectAreaLight = rectAreaLights[ i ];
+		RE_Direct_RectArea( rectAreaLight, geometryPosition, geometryNormal, geometryViewDir, geometryClearcoatNormal, material, reflectedLight );
+	}
+	#pragma unroll_loop_end
+#endif
+#if defined( RE_IndirectDiffuse )
+	vec3 iblIrradiance = vec3( 0.0 );
+	vec3 irradiance = getAmbientLightIrradiance( ambientLightColor );
+	#if defined( USE_LIGHT_PROBES )
+		irradiance += getLightProbeIrradiance( lightProbe, geometryNormal );
+	#endif
+	#if ( NUM_HEMI_LIGHTS > 0 )
+		#pragma unroll_loop_start
+		for ( int i = 0; i < NUM_HEMI_LIGHTS; i ++ ) {
+			irradiance += getHemisphereLightIrradiance( hemisphereLights[ i ], geometryNormal );
+		}
+		#pragma unroll_loop_end
+	#endif
+	#if NUM_LIGHT_PROBE_GRIDS > 0
+		vec3 probeWorldPos = ( ( vec4( geometryPosition, 1.0 ) - viewMatrix[ 3 ] ) * viewMatrix ).xyz;
+		vec3 probeWorldNormal = transformNormalByInverseViewMatrix( geometryNormal, viewMatrix );
+		int probeGrid = - 1;
+		#pragma unroll_loop_start
+		for ( int i = 0; i < NUM_LIGHT_PROBE_GRIDS; i ++ ) {
+			if ( isInsideLightProbeGrid( probeWorldPos, probeWorldNormal, probesMin[ i ], probesMax[ i ], probesResolution[ i ] ) ) probeGrid = UNROLLED_LOOP_INDEX;
+		}
+		#pragma unroll_loop_end
+		#pragma unroll_loop_start
+		for ( int i = 0; i < NUM_LIGHT_PROBE_GRIDS; i ++ ) {
+			if ( probeGrid == UNROLLED_LOOP_INDEX ) irradiance += getLightProbeGridIrradiance( probesSH[ i ], probesMin[ i ], probesMax[ i ], probesResolution[ i ], probeWorldPos, probeWorldNormal );
+		}
+		#pragma unroll_loop_end
+	#endif
+#endif
+#if defined( RE_IndirectSpecular )
+	vec3 radiance = vec3( 0.0 );
+	vec3 clearcoatRadiance = vec3( 0.0 );
+#endif`,sS=`#if defined( RE_IndirectDiffuse )
+	#ifdef USE_LIGHTMAP
+		vec4 lightMapTexel = texture2D( lightMap, vLightMapUv );
+		vec3 lightMapIrradiance = lightMapTexel.rgb * lightMapIntensity;
+		irradiance += lightMapIrradiance;
+	#endif
+	#if defined( USE_ENVMAP ) && defined( ENVMAP_TYPE_PMREM )
+		#if defined( STANDARD ) || defined( LAMBERT ) || defined( PHONG )
+			iblIrradiance += getIBLIrradiance( geometryNormal );
+		#endif
+	#endif
+#endif
+#if defined( USE_ENVMAP ) && defined( RE_IndirectSpecular )
+	#ifdef USE_ANISOTROPY
+		vec3 iblRadiance = getIBLAnisotropyRadiance( geometryViewDir, geometryNormal, material.roughness, material.anisotropyB, material.anisotropy );
+	#else
+		vec3 iblRadiance = getIBLRadiance( geometryViewDir, geometryNormal, material.roughness );
+	#endif
+	#ifdef USE_RETROREFLECTION
+		#ifdef USE_ANISOTROPY
+			vec3 retroIBLRadiance = getIBLAnisotropyRetroRadiance( geometryViewDir, geometryNormal, material.roughness, material.anisotropyB, material.anisotropy );
+		#else
+			vec3 retroIBLRadiance = getIBLRetroRadiance( geometryViewDir, geometryNormal, material.roughness );
+		#endif
+		iblRadiance = mix( iblRadiance, retroIBLRadiance, saturate( material.retroreflectivity ) );
+	#endif
+	radiance += iblRadiance;
+	#ifdef USE_CLEARCOAT
+		clearcoatRadiance += getIBLRadiance( geometryViewDir, geometryClearcoatNormal, material.clearcoatRoughness );
+	#endif
+#endif`,rS=`#if defined( RE_IndirectDiffuse )
+	#if defined( LAMBERT ) || defined( PHONG )
+		irradiance += iblIrradiance;
+	#endif
+	RE_IndirectDiffuse( irradiance, geometryPosition, geometryNormal, geometryViewDir, geometryClearcoatNormal, material, reflectedLight );
+#endif
+#if defined( RE_IndirectSpecular )
+	RE_IndirectSpecular( radiance, iblIrradiance, clearcoatRadiance, geometryPosition, geometryNormal, geometryViewDir, geometryClearcoatNormal, material, reflectedLight );
+#endif`,oS=`#if NUM_LIGHT_PROBE_GRIDS > 0
+uniform highp sampler3D probesSH[ NUM_LIGHT_PROBE_GRIDS ];
+uniform vec3 probesMin[ NUM_LIGHT_PROBE_GRIDS ];
+uniform vec3 probesMax[ NUM_LIGHT_PROBE_GRIDS ];
+uniform vec3 probesResolution[ NUM_LIGHT_PROBE_GRIDS ];
+bool isInsideLightProbeGrid( vec3 worldPos, vec3 worldNormal, vec3 probesMin, vec3 probesMax, vec3 probesResolution ) {
+	vec3 spacing = ( probesMax - probesMin ) / probesResolution;
+	vec3 samplePos = worldPos + worldNormal * spacing * 0.5;
+	vec3 margin = spacing * 0.01;
+	return all( greaterThanEqual( samplePos, probesMin - margin ) ) && all( lessThanEqual( samplePos, probesMax + margin ) );
+}
+vec3 getLightProbeGridIrradiance( highp sampler3D probesSH, vec3 probesMin, vec3 probesMax, vec3 probesResolution, vec3 worldPos, vec3 worldNormal ) {
+	vec3 res = probesResolution;
+	vec3 gridRange = probesMax - probesMin;
+	vec3 probeSpacing = gridRange / res;
+	vec3 samplePos = worldPos + worldNormal * probeSpacing * 0.5;
+	vec3 uvw = clamp( ( samplePos - probesMin ) / gridRange, 0.5 / res, 1.0 - 0.5 / res );
+	float nz          = res.z;
+	float paddedSlices = nz + 2.0;
+	float atlasDepth  = 7.0 * paddedSlices;
+	float uvZBase     = uvw.z * nz + 1.0;
+	vec4 s0 = texture( probesSH, vec3( uvw.xy, ( uvZBase                       ) / atlasDepth ) );
+	vec4 s1 = texture( probesSH, vec3( uvw.xy, ( uvZBase +       paddedSlices   ) / atlasDepth ) );
+	vec4 s2 = texture( probesSH, vec3( uvw.xy, ( uvZBase + 2.0 * paddedSlices   ) / atlasDepth ) );
+	vec4 s3 = texture( probesSH, vec3( uvw.xy, ( uvZBase + 3.0 * paddedSlices   ) / atlasDepth ) );
+	vec4 s4 = texture( probesSH, vec3( uvw.xy, ( uvZBase + 4.0 * paddedSlices   ) / atlasDepth ) );
+	vec4 s5 = texture( probesSH, vec3( uvw.xy, ( uvZBase + 5.0 * paddedSlices   ) / atlasDepth ) );
+	vec4 s6 = texture( probesSH, vec3( uvw.xy, ( uvZBase + 6.0 * paddedSlices   ) / atlasDepth ) );
+	vec3 c0 = s0.xyz;
+	vec3 c1 = vec3( s0.w, s1.xy );
+	vec3 c2 = vec3( s1.zw, s2.x );
+	vec3 c3 = s2.yzw;
+	vec3 c4 = s3.xyz;
+	vec3 c5 = vec3( s3.w, s4.xy );
+	vec3 c6 = vec3( s4.zw, s5.x );
+	vec3 c7 = s5.yzw;
+	vec3 c8 = s6.xyz;
+	float x = worldNormal.x, y = worldNormal.y, z = worldNormal.z;
+	vec3 result = c0 * 0.886227;
+	result += c1 * 2.0 * 0.511664 * y;
+	result += c2 * 2.0 * 0.511664 * z;
+	result += c3 * 2.0 * 0.511664 * x;
+	result += c4 * 2.0 * 0.429043 * x * y;
+	result += c5 * 2.0 * 0.429043 * y * z;
+	result += c6 * ( 0.743125 * z * z - 0.247708 );
+	result += c7 * 2.0 * 0.429043 * x * z;
+	result += c8 * 0.429043 * ( x * x - y * y );
+	return max( result, vec3( 0.0 ) );
+}
+#endif`,aS=`#if defined( USE_LOGARITHMIC_DEPTH_BUFFER )
+	gl_FragDepth = vIsPerspective == 0.0 ? gl_FragCoord.z : log2( vFragDepth ) * logDepthBufFC * 0.5;
+#endif`,lS=`#if defined( USE_LOGARITHMIC_DEPTH_BUFFER )
+	uniform float logDepthBufFC;
+	varying float vFragDepth;
+	varying float vIsPerspective;
+#endif`,cS=`#ifdef USE_LOGARITHMIC_DEPTH_BUFFER
+	varying float vFragDepth;
+	varying float vIsPerspective;
+#endif`,hS=`#ifdef USE_LOGARITHMIC_DEPTH_BUFFER
+	vFragDepth = 1.0 + gl_Position.w;
+	vIsPerspective = float( isPerspectiveMatrix( projectionMatrix ) );
+#endif`,uS=`#ifdef USE_MAP
+	vec4 sampledDiffuseColor = texture2D( map, vMapUv );
+	#ifdef DECODE_VIDEO_TEXTURE
+		sampledDiffuseColor = sRGBTransferEOTF( sampledDiffuseColor );
+	#endif
+	diffuseColor *= sampledDiffuseColor;
+#endif`,fS=`#ifdef USE_MAP
+	uniform sampler2D map;
+#endif`,dS=`#if defined( USE_MAP ) || defined( USE_ALPHAMAP )
+	#if defined( USE_POINTS_UV )
+		vec2 uv = vUv;
+	#else
+		vec2 uv = ( uvTransform * vec3( gl_PointCoord.x, 1.0 - gl_PointCoord.y, 1 ) ).xy;
+	#endif
+#endif
+#ifdef USE_MAP
+	diffuseColor *= texture2D( map, uv );
+#endif
+#ifdef USE_ALPHAMAP
+	diffuseColor.a *= texture2D( alphaMap, uv ).g;
+#endif`,pS=`#if defined( USE_POINTS_UV )
+	varying vec2 vUv;
+#else
+	#if defined( USE_MAP ) || defined( USE_ALPHAMAP )
+		uniform mat3 uvTransform;
+	#endif
+#endif
+#ifdef USE_MAP
+	uniform sampler2D map;
+#endif
+#ifdef USE_ALPHAMAP
+	uniform sampler2D alphaMap;
+#endif`,mS=`float metalnessFactor = metalness;
+#ifdef USE_METALNESSMAP
+	vec4 texelMetalness = texture2D( metalnessMap, vMetalnessMapUv );
+	metalnessFactor *= texelMetalness.b;
+#endif`,gS=`#ifdef USE_METALNESSMAP
+	uniform sampler2D metalnessMap;
+#endif`,_S=`#ifdef USE_INSTANCING_MORPH
+	float morphTargetInfluences[ MORPHTARGETS_COUNT ];
+	float morphTargetBaseInfluence = texelFetch( morphTexture, ivec2( 0, gl_InstanceID ), 0 ).r;
+	for ( int i = 0; i < MORPHTARGETS_COUNT; i ++ ) {
+		morphTargetInfluences[i] =  texelFetch( morphTexture, ivec2( i + 1, gl_InstanceID ), 0 ).r;
+	}
+#endif`,yS=`#if defined( USE_MORPHCOLORS )
+	#if defined( USE_COLOR_ALPHA )
+		vColor *= morphTargetBaseInfluence;
+	#elif defined( USE_COLOR )
+		vColor.rgb *= morphTargetBaseInfluence;
+	#endif
+	for ( int i = 0; i < MORPHTARGETS_COUNT; i ++ ) {
+		#if defined( USE_COLOR_ALPHA )
+			if ( morphTargetInfluences[ i ] != 0.0 ) vColor += getMorph( gl_VertexID, i, 2 ) * morphTargetInfluences[ i ];
+		#elif defined( USE_COLOR )
+			if ( morphTargetInfluences[ i ] != 0.0 ) vColor.rgb += getMorph( gl_VertexID, i, 2 ).rgb * morphTargetInfluences[ i ];
+		#endif
+	}
+#endif`,xS=`#ifdef USE_MORPHNORMALS
+	objectNormal *= morphTargetBaseInfluence;
+	for ( int i = 0; i < MORPHTARGETS_COUNT; i ++ ) {
+		if ( morphTargetInfluences[ i ] != 0.0 ) objectNormal += getMorph( gl_VertexID, i, 1 ).xyz * morphTargetInfluences[ i ];
+	}
+#endif`,vS=`#ifdef USE_MORPHTARGETS
+	#ifndef USE_INSTANCING_MORPH
+		uniform float morphTargetBaseInfluence;
+		uniform float morphTargetInfluences[ MORPHTARGETS_COUNT ];
+	#endif
+	uniform sampler2DArray morphTargetsTexture;
+	uniform ivec2 morphTargetsTextureSize;
+	vec4 getMorph( const in int vertexIndex, const in int morphTargetIndex, const in int offset ) {
+		int texelIndex = vertexIndex * MORPHTARGETS_TEXTURE_STRIDE + offset;
+		int y = texelIndex / morphTargetsTextureSize.x;
+		int x = texelIndex - y * morphTargetsTextureSize.x;
+		ivec3 morphUV = ivec3( x, y, morphTargetIndex );
+		return texelFetch( morphTargetsTexture, morphUV, 0 );
+	}
+#endif`,bS=`#ifdef USE_MORPHTARGETS
+	transformed *= morphTargetBaseInfluence;
+	for ( int i = 0; i < MORPHTARGETS_COUNT; i ++ ) {
+		if ( morphTargetInfluences[ i ] != 0.0 ) transformed += getMorph( gl_VertexID, i, 0 ).xyz * morphTargetInfluences[ i ];
+	}
+#endif`,MS=`float faceDirection = gl_FrontFacing ? 1.0 : - 1.0;
+#ifdef FLAT_SHADED
+	vec3 fdx = dFdx( vViewPosition );
+	vec3 fdy = dFdy( vViewPosition );
+	vec3 normal = normalize( cross( fdx, fdy ) );
+#else
+	vec3 normal = normalize( vNormal );
+	#ifdef DOUBLE_SIDED
+		normal *= faceDirection;
+	#endif
+#endif
+#if defined( USE_NORMALMAP_TANGENTSPACE ) || defined( USE_CLEARCOAT_NORMALMAP ) || defined( USE_ANISOTROPY )
+	#ifdef USE_TANGENT
+		mat3 tbn = mat3( normalize( vTangent ), normalize( vBitangent ), normal );
+	#else
+		mat3 tbn = getTangentFrame( - vViewPosition, normal,
+		#if defined( USE_NORMALMAP )
+			vNormalMapUv
+		#elif defined( USE_CLEARCOAT_NORMALMAP )
+			vClearcoatNormalMapUv
+		#else
+			vUv
+		#endif
+		);
+	#endif
+	#ifdef DOUBLE_SIDED
+		tbn[0] *= faceDirection;
+		tbn[1] *= faceDirection;
+	#endif
+#endif
+#ifdef USE_CLEARCOAT_NORMALMAP
+	#ifdef USE_TANGENT
+		mat3 tbn2 = mat3( normalize( vTangent ), normalize( vBitangent ), normal );
+	#else
+		mat3 tbn2 = getTangentFrame( - vViewPosition, normal, vClearcoatNormalMapUv );
+	#endif
+	#ifdef DOUBLE_SIDED
+		tbn2[0] *= faceDirection;
+		tbn2[1] *= faceDirection;
+	#endif
+#endif
+vec3 nonPerturbedNormal = normal;`,SS=`#ifdef USE_NORMALMAP_OBJECTSPACE
+	normal = texture2D( normalMap, vNormalMapUv ).xyz * 2.0 - 1.0;
+	#ifdef FLIP_SIDED
+		normal = - normal;
+	#endif
+	#ifdef DOUBLE_SIDED
+		normal = normal * faceDirection;
+	#endif
+	normal = normalize( normalMatrix * normal );
+#elif defined( USE_NORMALMAP_TANGENTSPACE )
+	vec3 mapN = texture2D( normalMap, vNormalMapUv ).xyz * 2.0 - 1.0;
+	#if defined( USE_PACKED_NORMALMAP )
+		mapN = vec3( mapN.xy, sqrt( saturate( 1.0 - dot( mapN.xy, mapN.xy ) ) ) );
+	#endif
+	mapN.xy *= normalScale;
+	normal = normalize( tbn * mapN );
+#elif defined( USE_BUMPMAP )
+	normal = perturbNormalArb( - vViewPosition, normal, dHdxy_fwd(), faceDirection );
+#endif`,wS=`#ifndef FLAT_SHADED
+	varying vec3 vNormal;
+	#ifdef USE_TANGENT
+		varying vec3 vTangent;
+		varying vec3 vBitangent;
+	#endif
+#endif`,AS=`#ifndef FLAT_SHADED
+	varying vec3 vNormal;
+	#ifdef USE_TANGENT
+		varying vec3 vTangent;
+		varying vec3 vBitangent;
+	#endif
+#endif`,ES=`#ifndef FLAT_SHADED
+	vNormal = normalize( transformedNormal );
+	#ifdef USE_TANGENT
+		vTangent = normalize( transformedTangent );
+		vBitangent = normalize( cross( vNormal, vTangent ) * tangent.w );
+		#ifdef FLIP_SIDED
+			vBitangent = - vBitangent;
+		#endif
+	#endif
+#endif`,TS=`#ifdef USE_NORMALMAP
+	uniform sampler2D normalMap;
+	uniform vec2 normalScale;
+#endif
+#ifdef USE_NORMALMAP_OBJECTSPACE
+	uniform mat3 normalMatrix;
+#endif
+#if ! defined ( USE_TANGENT ) && ( defined ( USE_NORMALMAP_TANGENTSPACE ) || defined ( USE_CLEARCOAT_NORMALMAP ) || defined( USE_ANISOTROPY ) )
+	mat3 getTangentFrame( vec3 eye_pos, vec3 surf_norm, vec2 uv ) {
+		vec3 q0 = dFdx( eye_pos.xyz );
+		vec3 q1 = dFdy( eye_pos.xyz );
+		vec2 st0 = dFdx( uv.st );
+		vec2 st1 = dFdy( uv.st );
+		vec3 N = surf_norm;
+		vec3 q1perp = cross( q1, N );
+		vec3 q0perp = cross( N, q0 );
+		vec3 T = q1perp * st0.x + q0perp * st1.x;
+		vec3 B = q1perp * st0.y + q0perp * st1.y;
+		float det = max( dot( T, T ), dot( B, B ) );
+		float scale = ( det == 0.0 ) ? 0.0 : inversesqrt( det );
+		return mat3( T * scale, B * scale, N );
+	}
+#endif`,CS=`#ifdef USE_CLEARCOAT
+	vec3 clearcoatNormal = nonPerturbedNormal;
+#endif`,RS=`#ifdef USE_CLEARCOAT_NORMALMAP
+	vec3 clearcoatMapN = texture2D( clearcoatNormalMap, vClearcoatNormalMapUv ).xyz * 2.0 - 1.0;
+	clearcoatMapN.xy *= clearcoatNormalScale;
+	clearcoatNormal = normalize( tbn2 * clearcoatMapN );
+#endif`,IS=`#ifdef USE_CLEARCOATMAP
+	uniform sampler2D clearcoatMap;
+#endif
+#ifdef USE_CLEARCOAT_NORMALMAP
+	uniform sampler2D clearcoatNormalMap;
+	uniform vec2 clearcoatNormalScale;
+#endif
+#ifdef USE_CLEARCOAT_ROUGHNESSMAP
+	uniform sampler2D clearcoatRoughnessMap;
+#endif`,PS=`#ifdef USE_IRIDESCENCEMAP
+	uniform sampler2D iridescenceMap;
+#endif
+#ifdef USE_IRIDESCENCE_THICKNESSMAP
+	uniform sampler2D iridescenceThicknessMap;
+#endif`,LS=`#ifdef OPAQUE
+diffuseColor.a = 1.0;
+#endif
+#ifdef USE_TRANSMISSION
+diffuseColor.a *= material.transmissionAlpha;
+#endif
+gl_FragColor = vec4( outgoingLight, diffuseColor.a );`,DS=`vec3 packNormalToRGB( const in vec3 normal ) {
+	return normalize( normal ) * 0.5 + 0.5;
+}
+vec3 unpackRGBToNormal( const in vec3 rgb ) {
+	return 2.0 * rgb.xyz - 1.0;
+}
+const float PackUpscale = 256. / 255.;const float UnpackDownscale = 255. / 256.;const float ShiftRight8 = 1. / 256.;
+const float Inv255 = 1. / 255.;
+const vec4 PackFactors = vec4( 1.0, 256.0, 256.0 * 256.0, 256.0 * 256.0 * 256.0 );
+const vec2 UnpackFactors2 = vec2( UnpackDownscale, 1.0 / PackFactors.g );
+const vec3 UnpackFactors3 = vec3( UnpackDownscale / PackFactors.rg, 1.0 / PackFactors.b );
+const vec4 UnpackFactors4 = vec4( UnpackDownscale / PackFactors.rgb, 1.0 / PackFactors.a );
+vec4 packDepthToRGBA( const in float v ) {
+	if( v <= 0.0 )
+		return vec4( 0., 0., 0., 0. );
+	if( v >= 1.0 )
+		return vec4( 1., 1., 1., 1. );
+	float vuf;
+	float af = modf( v * PackFactors.a, vuf );
+	float bf = modf( vuf * ShiftRight8, vuf );
+	float gf = modf( vuf * ShiftRight8, vuf );
+	return vec4( vuf * Inv255, gf * PackUpscale, bf * PackUpscale, af );
+}
+vec3 packDepthToRGB( const in float v ) {
+	if( v <= 0.0 )
+		return vec3( 0., 0., 0. );
+	if( v >= 1.0 )
+		return vec3( 1., 1., 1. );
+	float vuf;
+	float bf = modf( v * PackFactors.b, vuf );
+	float gf = modf( vuf * ShiftRight8, vuf );
+	return vec3( vuf * Inv255, gf * PackUpscale, bf );
+}
+vec2 packDepthToRG( const in float v ) {
+	if( v <= 0.0 )
+		return vec2( 0., 0. );
+	if( v >= 1.0 )
+		return vec2( 1., 1. );
+	float vuf;
+	float gf = modf( v * 256., vuf );
+	return vec2( vuf * Inv255, gf );
+}
+float unpackRGBAToDepth( const in vec4 v ) {
+	return dot( v, UnpackFactors4 );
+}
+float unpackRGBToDepth( const in vec3 v ) {
+	return dot( v, UnpackFactors3 );
+}
+float unpackRGToDepth( const in vec2 v ) {
+	return v.r * UnpackFactors2.r + v.g * UnpackFactors2.g;
+}
+vec4 pack2HalfToRGBA( const in vec2 v ) {
+	vec4 r = vec4( v.x, fract( v.x * 255.0 ), v.y, fract( v.y * 255.0 ) );
+	return vec4( r.x - r.y / 255.0, r.y, r.z - r.w / 255.0, r.w );
+}
+vec2 unpackRGBATo2Half( const in vec4 v ) {
+	return vec2( v.x + ( v.y / 255.0 ), v.z + ( v.w / 255.0 ) );
+}
+float viewZToOrthographicDepth( const in float viewZ, const in float near, const in float far ) {
+	return ( viewZ + near ) / ( near - far );
+}
+float orthographicDepthToViewZ( const in float depth, const in float near, const in float far ) {
+	#ifdef USE_REVERSED_DEPTH_BUFFER
+	
+		return depth * ( far - near ) - far;
+	#else
+		return depth * ( near - far ) - near;
+	#endif
+}
+float viewZToPerspectiveDepth( const in float viewZ, const in float near, const in float far ) {
+	return ( ( near + viewZ ) * far ) / ( ( far - near ) * viewZ );
+}
+float perspectiveDepthToViewZ( const in float depth, const in float near, const in float far ) {
+	
+	#ifdef USE_REVERSED_DEPTH_BUFFER
+		return ( near * far ) / ( ( near - far ) * depth - near );
+	#else
+		return ( near * far ) / ( ( far - near ) * depth - far );
+	#endif
+}`,NS=`#ifdef PREMULTIPLIED_ALPHA
+	gl_FragColor.rgb *= gl_FragColor.a;
+#endif`,US=`vec4 mvPosition = vec4( transformed, 1.0 );
+#ifdef USE_BATCHING
+	mvPosition = batchingMatrix * mvPosition;
+#endif
+#ifdef USE_INSTANCING
+	mvPosition = instanceMatrix * mvPosition;
+#endif
+mvPosition = modelViewMatrix * mvPosition;
+gl_Position = projectionMatrix * mvPosition;`,FS=`#ifdef DITHERING
+	gl_FragColor.rgb = dithering( gl_FragColor.rgb );
+#endif`,OS=`#ifdef DITHERING
+	vec3 dithering( vec3 color ) {
+		float grid_position = rand( gl_FragCoord.xy );
+		vec3 dither_shift_RGB = vec3( 0.25 / 255.0, -0.25 / 255.0, 0.25 / 255.0 );
+		dither_shift_RGB = mix( 2.0 * dither_shift_RGB, -2.0 * dither_shift_RGB, grid_position );
+		return color + dither_shift_RGB;
+	}
+#endif`,BS=`float roughnessFactor = roughness;
+#ifdef USE_ROUGHNESSMAP
+	vec4 texelRoughness = texture2D( roughnessMap, vRoughnessMapUv );
+	roughnessFactor *= texelRoughness.g;
+#endif`,kS=`#ifdef USE_ROUGHNESSMAP
+	uniform sampler2D roughnessMap;
+#endif`,zS=`#if NUM_SPOT_LIGHT_COORDS > 0
+	varying vec4 vSpotLightCoord[ NUM_SPOT_LIGHT_COORDS ];
+#endif
+#if NUM_SPOT_LIGHT_MAPS > 0
+	uniform sampler2D spotLightMap[ NUM_SPOT_LIGHT_MAPS ];
+#endif
+#ifdef USE_SHADOWMAP
+	#if NUM_SUN_LIGHT_SHADOWS > 0
+		#define SUN_LIGHT_CASCADES 2
+		#if defined( SHADOWMAP_TYPE_PCF )
+			uniform sampler2DShadow sunShadowMap[ NUM_SUN_LIGHT_SHADOWS ];
+		#else
+			uniform sampler2D sunShadowMap[ NUM_SUN_LIGHT_SHADOWS ];
+		#endif
+		uniform mat4 sunShadowMatrix[ NUM_SUN_LIGHT_SHADOWS * SUN_LIGHT_CASCADES ];
+		uniform vec4 sunShadowCascade[ NUM_SUN_LIGHT_SHADOWS * SUN_LIGHT_CASCADES ];
+		varying vec4 vSunShadowWorldPosition;
+		varying vec3 vSunShadowWorldNormal;
+		struct SunLightShadow {
+			float shadowIntensity;
+			float shadowBias;
+			float shadowNormalBias;
+			float shadowRadius;
+			vec2 shadowMapSize;
+		};
+		uniform SunLightShadow sunLightShadows[ NUM_SUN_LIGHT_SHADOWS ];
+	#endif
+	#if NUM_DIR_LIGHT_SHADOWS > 0
+		#if defined( SHADOWMAP_TYPE_PCF )
+			uniform sampler2DShadow directionalShadowMap[ NUM_DIR_LIGHT_SHADOWS ];
+		#else
+			uniform sampler2D directionalShadowMap[ NUM_DIR_LIGHT_SHADOWS ];
+		#endif
+		varying vec4 vDirectionalShadowCoord[ NUM_DIR_LIGHT_SHADOWS ];
+		struct DirectionalLightShadow {
+			float shadowIntensity;
+			float shadowBias;
+			float shadowNormalBias;
+			float shadowRadius;
+			vec2 shadowMapSize;
+		};
+		uniform DirectionalLightShadow directionalLightShadows[ NUM_DIR_LIGHT_SHADOWS ];
+	#endif
+	#if NUM_SPOT_LIGHT_SHADOWS > 0
+		#if defined( SHADOWMAP_TYPE_PCF )
+			uniform sampler2DShadow spotShadowMap[ NUM_SPOT_LIGHT_SHADOWS ];
+		#else
+			uniform sampler2D spotShadowMap[ NUM_SPOT_LIGHT_SHADOWS ];
+		#endif
+		struct SpotLightShadow {
+			float shadowIntensity;
+			float shadowBias;
+			float shadowNormalBias;
+			float shadowRadius;
+			vec2 shadowMapSize;
+		};
+		uniform SpotLightShadow spotLightShadows[ NUM_SPOT_LIGHT_SHADOWS ];
+	#endif
+	#if NUM_POINT_LIGHT_SHADOWS > 0
+		#if defined( SHADOWMAP_TYPE_PCF )
+			uniform samplerCubeShadow pointShadowMap[ NUM_POINT_LIGHT_SHADOWS ];
+		#elif defined( SHADOWMAP_TYPE_BASIC )
+			uniform samplerCube pointShadowMap[ NUM_POINT_LIGHT_SHADOWS ];
+		#endif
+		varying vec4 vPointShadowCoord[ NUM_POINT_LIGHT_SHADOWS ];
+		struct PointLightShadow {
+			float shadowIntensity;
+			float shadowBias;
+			float shadowNormalBias;
+			float shadowRadius;
+			vec2 shadowMapSize;
+			float shadowCameraNear;
+			float shadowCameraFar;
+		};
+		uniform PointLightShadow pointLightShadows[ NUM_POINT_LIGHT_SHADOWS ];
+	#endif
+	#if defined( SHADOWMAP_TYPE_PCF )
+		float interleavedGradientNoise( vec2 position ) {
+			return fract( 52.9829189 * fract( dot( position, vec2( 0.06711056, 0.00583715 ) ) ) );
+		}
+		vec2 vogelDiskSample( int sampleIndex, int samplesCount, float phi ) {
+			const float goldenAngle = 2.399963229728653;
+			float r = sqrt( ( float( sampleIndex ) + 0.5 ) / float( samplesCount ) );
+			float theta = float( sampleIndex ) * goldenAngle + phi;
+			return vec2( cos( theta ), sin( theta ) ) * r;
+		}
+	#endif
+	#if defined( SHADOWMAP_TYPE_PCF )
+		float getShadow( sampler2DShadow shadowMap, vec2 shadowMapSize, float shadowIntensity, float shadowBias, float shadowRadius, vec4 shadowCoord ) {
+			float shadow = 1.0;
+			shadowCoord.xyz /= shadowCoord.w;
+			#ifdef USE_REVERSED_DEPTH_BUFFER
+				shadowCoord.z -= shadowBias;
+			#else
+				shadowCoord.z += shadowBias;
+			#endif
+			bool inFrustum = shadowCoord.x >= 0.0 && shadowCoord.x <= 1.0 && shadowCoord.y >= 0.0 && shadowCoord.y <= 1.0;
+			bool frustumTest = inFrustum && shadowCoord.z <= 1.0;
+			if ( frustumTest ) {
+				vec2 texelSize = vec2( 1.0 ) / shadowMapSize;
+				vec2 radius = shadowRadius * texelSize;
+				float phi = interleavedGradientNoise( gl_FragCoord.xy ) * PI2;
+				shadow = (
+					texture( shadowMap, vec3( shadowCoord.xy + vogelDiskSample( 0, 5, phi ) * radius, shadowCoord.z ) ) +
+					texture( shadowMap, vec3( shadowCoord.xy + vogelDiskSample( 1, 5, phi ) * radius, shadowCoord.z ) ) +
+					texture( shadowMap, vec3( shadowCoord.xy + vogelDiskSample( 2, 5, phi ) * radius, shadowCoord.z ) ) +
+					texture( shadowMap, vec3( shadowCoord.xy + vogelDiskSample( 3, 5, phi ) * radius, shadowCoord.z ) ) +
+					texture( shadowMap, vec3( shadowCoord.xy + vogelDiskSample( 4, 5, phi ) * radius, shadowCoord.z ) )
+				) * 0.2;
+			}
+			return mix( 1.0, shadow, shadowIntensity );
+		}
+	#elif defined( SHADOWMAP_TYPE_VSM )
+		float getShadow( sampler2D shadowMap, vec2 shadowMapSize, float shadowIntensity, float shadowBias, float shadowRadius, vec4 shadowCoord ) {
+			float shadow = 1.0;
+			shadowCoord.xyz /= shadowCoord.w;
+			#ifdef USE_REVERSED_DEPTH_BUFFER
+				shadowCoord.z -= shadowBias;
+			#else
+				shadowCoord.z += shadowBias;
+			#endif
+			bool inFrustum = shadowCoord.x >= 0.0 && shadowCoord.x <= 1.0 && shadowCoord.y >= 0.0 && shadowCoord.y <= 1.0;
+			bool frustumTest = inFrustum && shadowCoord.z <= 1.0;
+			if ( frustumTest ) {
+				vec2 distribution = texture2D( shadowMap, shadowCoord.xy ).rg;
+				float mean = distribution.x;
+				float variance = distribution.y * distribution.y;
+				#ifdef USE_REVERSED_DEPTH_BUFFER
+					float hard_shadow = step( mean, shadowCoord.z );
+				#else
+					float hard_shadow = step( shadowCoord.z, mean );
+				#endif
+				
+				if ( hard_shadow == 1.0 ) {
+					shadow = 1.0;
+				} else {
+					variance = max( variance, 0.0000001 );
+					float d = shadowCoord.z - mean;
+					float p_max = variance / ( variance + d * d );
+					p_max = clamp( ( p_max - 0.3 ) / 0.65, 0.0, 1.0 );
+					shadow = max( hard_shadow, p_max );
+				}
+			}
+			return mix( 1.0, shadow, shadowIntensity );
+		}
+	#else
+		float getShadow( sampler2D shadowMap, vec2 shadowMapSize, float shadowIntensity, float shadowBias, float shadowRadius, vec4 shadowCoord ) {
+			float shadow = 1.0;
+			shadowCoord.xyz /= shadowCoord.w;
+			#ifdef USE_REVERSED_DEPTH_BUFFER
+				shadowCoord.z -= shadowBias;
+			#else
+				shadowCoord.z += shadowBias;
+			#endif
+			bool inFrustum = shadowCoord.x >= 0.0 && shadowCoord.x <= 1.0 && shadowCoord.y >= 0.0 && shadowCoord.y <= 1.0;
+			bool frustumTest = inFrustum && shadowCoord.z <= 1.0;
+			if ( frustumTest ) {
+				float depth = texture2D( shadowMap, shadowCoord.xy ).r;
+				#ifdef USE_REVERSED_DEPTH_BUFFER
+					shadow = step( depth, shadowCoord.z );
+				#else
+					shadow = step( shadowCoord.z, depth );
+				#endif
+			}
+			return mix( 1.0, shadow, shadowIntensity );
+		}
+	#endif
+	#if NUM_SUN_LIGHT_SHADOWS > 0
+		float getSunShadow(
+			#if defined( SHADOWMAP_TYPE_PCF )
+				sampler2DShadow shadowMap,
+			#else
+				sampler2D shadowMap,
+			#endif
+			SunLightShadow sunLightShadow,
+			int shadowIndex
+		) {
+			vec4 shadowWorldPosition = vec4( vSunShadowWorldPosition.xyz + vSunShadowWorldNormal * sunLightShadow.shadowNormalBias, 1.0 );
+			float viewDepth = vSunShadowWorldPosition.w;
+			int cascadeOffset = shadowIndex * SUN_LIGHT_CASCADES;
+			float shadow = 1.0;
+			for ( int i = SUN_LIGHT_CASCADES - 1; i >= 0; i -- ) {
+				vec4 cascade = sunShadowCascade[ cascadeOffset + i ];
+				if ( viewDepth >= cascade.x && viewDepth < cascade.y ) {
+					float cascadeShadow = getShadow(
+						shadowMap,
+						sunLightShadow.shadowMapSize,
+						sunLightShadow.shadowIntensity,
+						sunLightShadow.shadowBias,
+						sunLightShadow.shadowRadius,
+						sunShadowMatrix[ cascadeOffset + i ] * shadowWorldPosition
+					);
+					shadow = mix( cascadeShadow, shadow, smoothstep( cascade.z, cascade.y, viewDepth ) );
+				}
+			}
+			return shadow;
+		}
+	#endif
+	#if NUM_POINT_LIGHT_SHADOWS > 0
+	#if defined( SHADOWMAP_TYPE_PCF )
+	float getPointShadow( samplerCubeShadow shadowMap, vec2 shadowMapSize, float shadowIntensity, float shadowBias, float shadowRadius, vec4 shadowCoord, float shadowCameraNear, float shadowCameraFar ) {
+		float shadow = 1.0;
+		vec3 lightToPosition = shadowCoord.xyz;
+		vec3 bd3D = normalize( lightToPosition );
+		vec3 absVec = abs( lightToPosition );
+		float viewSpaceZ = max( max( absVec.x, absVec.y ), absVec.z );
+		if ( viewSpaceZ - shadowCameraFar <= 0.0 && viewSpaceZ - shadowCameraNear >= 0.0 ) {
+			float lightDistance = length( lightToPosition );
+			float depthRange = shadowCameraFar - shadowCameraNear;
+			#ifdef USE_REVERSED_DEPTH_BUFFER
+				float depthA = - shadowCameraNear / depthRange - shadowBias;
+				float depthB = shadowCameraNear * shadowCameraFar / ( depthRange * lightDistance );
+			#else
+				float depthA = shadowCameraFar / depthRange + shadowBias;
+				float depthB = - shadowCameraNear * shadowCameraFar / ( depthRange * lightDistance );
+			#endif
+			float texelSize = shadowRadius / shadowMapSize.x;
+			vec3 absDir = abs( bd3D );
+			vec3 tangent = absDir.x > absDir.z ? vec3( 0.0, 1.0, 0.0 ) : vec3( 1.0, 0.0, 0.0 );
+			tangent = normalize( cross( bd3D, tangent ) );
+			vec3 bitangent = cross( bd3D, tangent );
+			float phi = interleavedGradientNoise( gl_FragCoord.xy ) * PI2;
+			shadow = 0.0;
+			for ( int i = 0; i < 5; i ++ ) {
+				vec2 offset = vogelDiskSample( i, 5, phi );
+				vec3 direction = bd3D + ( tangent * offset.x + bitangent * offset.y ) * texelSize;
+				vec3 absDirection = abs( direction );
+				float dp = depthA + depthB / max( max( absDirection.x, absDirection.y ), absDirection.z );
+				shadow += texture( shadowMap, vec4( direction, dp ) );
+			}
+			shadow *= 0.2;
+		}
+		return mix( 1.0, shadow, shadowIntensity );
+	}
+	#elif defined( SHADOWMAP_TYPE_BASIC )
+	float getPointShadow( samplerCube shadowMap, vec2 shadowMapSize, float shadowIntensity, float shadowBias, float shadowRadius, vec4 shadowCoord, float shadowCameraNear, float shadowCameraFar ) {
+		float shadow = 1.0;
+		vec3 lightToPosition = shadowCoord.xyz;
+		vec3 absVec = abs( lightToPosition );
+		float viewSpaceZ = max( max( absVec.x, absVec.y ), absVec.z );
+		if ( viewSpaceZ - shadowCameraFar <= 0.0 && viewSpaceZ - shadowCameraNear >= 0.0 ) {
+			float dp = ( shadowCameraFar * ( viewSpaceZ - shadowCameraNear ) ) / ( viewSpaceZ * ( shadowCameraFar - shadowCameraNear ) );
+			dp += shadowBias;
+			vec3 bd3D = normalize( lightToPosition );
+			float depth = textureCube( shadowMap, bd3D ).r;
+			#ifdef USE_REVERSED_DEPTH_BUFFER
+				depth = 1.0 - depth;
+			#endif
+			shadow = step( dp, depth );
+		}
+		return mix( 1.0, shadow, shadowIntensity );
+	}
+	#endif
+	#endif
+#endif`,VS=`#if NUM_SPOT_LIGHT_COORDS > 0
+	uniform mat4 spotLightMatrix[ NUM_SPOT_LIGHT_COORDS ];
+	varying vec4 vSpotLightCoord[ NUM_SPOT_LIGHT_COORDS ];
+#endif
+#ifdef USE_SHADOWMAP
+	#if NUM_SUN_LIGHT_SHADOWS > 0
+		varying vec4 vSunShadowWorldPosition;
+		varying vec3 vSunShadowWorldNormal;
+	#endif
+	#if NUM_DIR_LIGHT_SHADOWS > 0
+		uniform mat4 directionalShadowMatrix[ NUM_DIR_LIGHT_SHADOWS ];
+		varying vec4 vDirectionalShadowCoord[ NUM_DIR_LIGHT_SHADOWS ];
+		struct DirectionalLightShadow {
+			float shadowIntensity;
+			float shadowBias;
+			float shadowNormalBias;
+			float shadowRadius;
+			vec2 shadowMapSize;
+		};
+		uniform DirectionalLightShadow directionalLightShadows[ NUM_DIR_LIGHT_SHADOWS ];
+	#endif
+	#if NUM_SPOT_LIGHT_SHADOWS > 0
+		struct SpotLightShadow {
+			float shadowIntensity;
+			float shadowBias;
+			float shadowNormalBias;
+			float shadowRadius;
+			vec2 shadowMapSize;
+		};
+		uniform SpotLightShadow spotLightShadows[ NUM_SPOT_LIGHT_SHADOWS ];
+	#endif
+	#if NUM_POINT_LIGHT_SHADOWS > 0
+		uniform mat4 pointShadowMatrix[ NUM_POINT_LIGHT_SHADOWS ];
+		varying vec4 vPointShadowCoord[ NUM_POINT_LIGHT_SHADOWS ];
+		struct PointLightShadow {
+			float shadowIntensity;
+			float shadowBias;
+			float shadowNormalBias;
+			float shadowRadius;
+			vec2 shadowMapSize;
+			float shadowCameraNear;
+			float shadowCameraFar;
+		};
+		uniform PointLightShadow pointLightShadows[ NUM_POINT_LIGHT_SHADOWS ];
+	#endif
+#endif`,HS=`#if ( defined( USE_SHADOWMAP ) && ( NUM_DIR_LIGHT_SHADOWS > 0 || NUM_SUN_LIGHT_SHADOWS > 0 || NUM_POINT_LIGHT_SHADOWS > 0 ) ) || ( NUM_SPOT_LIGHT_COORDS > 0 )
+	#ifdef HAS_NORMAL
+		vec3 shadowWorldNormal = transformNormalByInverseViewMatrix( transformedNormal, viewMatrix );
+	#else
+		vec3 shadowWorldNormal = vec3( 0.0 );
+	#endif
+	vec4 shadowWorldPosition;
+#endif
+#if defined( USE_SHADOWMAP )
+	#if NUM_SUN_LIGHT_SHADOWS > 0
+		vSunShadowWorldPosition = vec4( worldPosition.xyz, - mvPosition.z );
+		vSunShadowWorldNormal = shadowWorldNormal;
+	#endif
+	#if NUM_DIR_LIGHT_SHADOWS > 0
+		#pragma unroll_loop_start
+		for ( int i = 0; i < NUM_DIR_LIGHT_SHADOWS; i ++ ) {
+			shadowWorldPosition = worldPosition + vec4( shadowWorldNormal * directionalLightShadows[ i ].shadowNormalBias, 0 );
+			vDirectionalShadowCoord[ i ] = directionalShadowMatrix[ i ] * shadowWorldPosition;
+		}
+		#pragma unroll_loop_end
+	#endif
+	#if NUM_POINT_LIGHT_SHADOWS > 0
+		#pragma unroll_loop_start
+		for ( int i = 0; i < NUM_POINT_LIGHT_SHADOWS; i ++ ) {
+			shadowWorldPosition = worldPosition + vec4( shadowWorldNormal * pointLightShadows[ i ].shadowNormalBias, 0 );
+			vPointShadowCoord[ i ] = pointShadowMatrix[ i ] * shadowWorldPosition;
+		}
+		#pragma unroll_loop_end
+	#endif
+#endif
+#if NUM_SPOT_LIGHT_COORDS > 0
+	#pragma unroll_loop_start
+	for ( int i = 0; i < NUM_SPOT_LIGHT_COORDS; i ++ ) {
+		shadowWorldPosition = worldPosition;
+		#if ( defined( USE_SHADOWMAP ) && UNROLLED_LOOP_INDEX < NUM_SPOT_LIGHT_SHADOWS )
+			shadowWorldPosition.xyz += shadowWorldNormal * spotLightShadows[ i ].shadowNormalBias;
+		#endif
+		vSpotLightCoord[ i ] = spotLightMatrix[ i ] * shadowWorldPosition;
+	}
+	#pragma unroll_loop_end
+#endif`,GS=`float getShadowMask() {
+	float shadow = 1.0;
+	#ifdef USE_SHADOWMAP
+	#if NUM_SUN_LIGHT_SHADOWS > 0
+	SunLightShadow sunLight;
+	#pragma unroll_loop_start
+	for ( int i = 0; i < NUM_SUN_LIGHT_SHADOWS; i ++ ) {
+		sunLight = sunLightShadows[ i ];
+		shadow *= receiveShadow ? getSunShadow( sunShadowMap[ i ], sunLight, UNROLLED_LOOP_INDEX ) : 1.0;
+	}
+	#pragma unroll_loop_end
+	#endif
+	#if NUM_DIR_LIGHT_SHADOWS > 0
+	DirectionalLightShadow directionalLight;
+	#pragma unroll_loop_start
+	for ( int i = 0; i < NUM_DIR_LIGHT_SHADOWS; i ++ ) {
+		directionalLight = directionalLightShadows[ i ];
+		shadow *= receiveShadow ? getShadow( directionalShadowMap[ i ], directionalLight.shadowMapSize, directionalLight.shadowIntensity, directionalLight.shadowBias, directionalLight.shadowRadius, vDirectionalShadowCoord[ i ] ) : 1.0;
+	}
+	#pragma unroll_loop_end
+	#endif
+	#if NUM_SPOT_LIGHT_SHADOWS > 0
+	SpotLightShadow spotLight;
+	#pragma unroll_loop_start
+	for ( int i = 0; i < NUM_SPOT_LIGHT_SHADOWS; i ++ ) {
+		spotLight = spotLightShadows[ i ];
+		shadow *= receiveShadow ? getShadow( spotShadowMap[ i ], spotLight.shadowMapSize, spotLight.shadowIntensity, spotLight.shadowBias, spotLight.shadowRadius, vSpotLightCoord[ i ] ) : 1.0;
+	}
+	#pragma unroll_loop_end
+	#endif
+	#if NUM_POINT_LIGHT_SHADOWS > 0 && ( defined( SHADOWMAP_TYPE_PCF ) || defined( SHADOWMAP_TYPE_BASIC ) )
+	PointLightShadow pointLight;
+	#pragma unroll_loop_start
+	for ( int i = 0; i < NUM_POINT_LIGHT_SHADOWS; i ++ ) {
+		pointLight = pointLightShadows[ i ];
+		shadow *= receiveShadow ? getPointShadow( pointShadowMap[ i ], pointLight.shadowMapSize, pointLight.shadowIntensity, pointLight.shadowBias, pointLight.shadowRadius, vPointShadowCoord[ i ], pointLight.shadowCameraNear, pointLight.shadowCameraFar ) : 1.0;
+	}
+	#pragma unroll_loop_end
+	#endif
+	#endif
+	return shadow;
+}`,WS=`#ifdef USE_SKINNING
+	mat4 boneMatX = getBoneMatrix( skinIndex.x );
+	mat4 boneMatY = getBoneMatrix( skinIndex.y );
+	mat4 boneMatZ = getBoneMatrix( skinIndex.z );
+	mat4 boneMatW = getBoneMatrix( skinIndex.w );
+#endif`,XS=`#ifdef USE_SKINNING
+	uniform mat4 bindMatrix;
+	uniform mat4 bindMatrixInverse;
+	uniform highp sampler2D boneTexture;
+	mat4 getBoneMatrix( const in float i ) {
+		int size = textureSize( boneTexture, 0 ).x;
+		int j = int( i ) * 4;
+		int x = j % size;
+		int y = j / size;
+		vec4 v1 = texelFetch( boneTexture, ivec2( x, y ), 0 );
+		vec4 v2 = texelFetch( boneTexture, ivec2( x + 1, y ), 0 );
+		vec4 v3 = texelFetch( boneTexture, ivec2( x + 2, y ), 0 );
+		vec4 v4 = texelFetch( boneTexture, ivec2( x + 3, y ), 0 );
+		return mat4( v1, v2, v3, v4 );
+	}
+#endif`,$S=`#ifdef USE_SKINNING
+	vec4 skinVertex = bindMatrix * vec4( transformed, 1.0 );
+	vec4 skinned = vec4( 0.0 );
+	skinned += boneMatX * skinVertex * skinWeight.x;
+	skinned += boneMatY * skinVertex * skinWeight.y;
+	skinned += boneMatZ * skinVertex * skinWeight.z;
+	skinned += boneMatW * skinVertex * skinWeight.w;
+	transformed = ( bindMatrixInverse * skinned ).xyz;
+#endif`,qS=`#ifdef USE_SKINNING
+	mat4 skinMatrix = mat4( 0.0 );
+	skinMatrix += skinWeight.x * boneMatX;
+	skinMatrix += skinWeight.y * boneMatY;
+	skinMatrix += skinWeight.z * boneMatZ;
+	skinMatrix += skinWeight.w * boneMatW;
+	skinMatrix = bindMatrixInverse * skinMatrix * bindMatrix;
+	objectNormal = vec4( skinMatrix * vec4( objectNormal, 0.0 ) ).xyz;
+	#ifdef USE_TANGENT
+		objectTangent = vec4( skinMatrix * vec4( objectTangent, 0.0 ) ).xyz;
+	#endif
+#endif`,YS=`float specularStrength;
+#ifdef USE_SPECULARMAP
+	vec4 texelSpecular = texture2D( specularMap, vSpecularMapUv );
+	specularStrength = texelSpecular.r;
+#else
+	specularStrength = 1.0;
+#endif`,ZS=`#ifdef USE_SPECULARMAP
+	uniform sampler2D specularMap;
+#endif`,KS=`#if defined( TONE_MAPPING )
+	gl_FragColor.rgb = toneMapping( gl_FragColor.rgb );
+#endif`,JS=`#ifndef saturate
+#define saturate( a ) clamp( a, 0.0, 1.0 )
+#endif
+uniform float toneMappingExposure;
+vec3 LinearToneMapping( vec3 color ) {
+	return saturate( toneMappingExposure * color );
+}
+vec3 ReinhardToneMapping( vec3 color ) {
+	color *= toneMappingExposure;
+	return saturate( color / ( vec3( 1.0 ) + color ) );
+}
+vec3 CineonToneMapping( vec3 color ) {
+	color *= toneMappingExposure;
+	color = max( vec3( 0.0 ), color - 0.004 );
+	return pow( ( color * ( 6.2 * color + 0.5 ) ) / ( color * ( 6.2 * color + 1.7 ) + 0.06 ), vec3( 2.2 ) );
+}
+vec3 RRTAndODTFit( vec3 v ) {
+	vec3 a = v * ( v + 0.0245786 ) - 0.000090537;
+	vec3 b = v * ( 0.983729 * v + 0.4329510 ) + 0.238081;
+	return a / b;
+}
+vec3 ACESFilmicToneMapping( vec3 color ) {
+	const mat3 ACESInputMat = mat3(
+		vec3( 0.59719, 0.07600, 0.02840 ),		vec3( 0.35458, 0.90834, 0.13383 ),
+		vec3( 0.04823, 0.01566, 0.83777 )
+	);
+	const mat3 ACESOutputMat = mat3(
+		vec3(  1.60475, -0.10208, -0.00327 ),		vec3( -0.53108,  1.10813, -0.07276 ),
+		vec3( -0.07367, -0.00605,  1.07602 )
+	);
+	color *= toneMappingExposure / 0.6;
+	color = ACESInputMat * color;
+	color = RRTAndODTFit( color );
+	color = ACESOutputMat * color;
+	return saturate( color );
+}
+const mat3 LINEAR_REC2020_TO_LINEAR_SRGB = mat3(
+	vec3( 1.6605, - 0.1246, - 0.0182 ),
+	vec3( - 0.5876, 1.1329, - 0.1006 ),
+	vec3( - 0.0728, - 0.0083, 1.1187 )
+);
+const mat3 LINEAR_SRGB_TO_LINEAR_REC2020 = mat3(
+	vec3( 0.6274, 0.0691, 0.0164 ),
+	vec3( 0.3293, 0.9195, 0.0880 ),
+	vec3( 0.0433, 0.0113, 0.8956 )
+);
+vec3 agxDefaultContrastApprox( vec3 x ) {
+	vec3 x2 = x * x;
+	vec3 x4 = x2 * x2;
+	return + 15.5 * x4 * x2
+		- 40.14 * x4 * x
+		+ 31.96 * x4
+		- 6.868 * x2 * x
+		+ 0.4298 * x2
+		+ 0.1191 * x
+		- 0.00232;
+}
+vec3 AgXToneMapping( vec3 color ) {
+	const mat3 AgXInsetMatrix = mat3(
+		vec3( 0.856627153315983, 0.137318972929847, 0.11189821299995 ),
+		vec3( 0.0951212405381588, 0.761241990602591, 0.0767994186031903 ),
+		vec3( 0.0482516061458583, 0.101439036467562, 0.811302368396859 )
+	);
+	const mat3 AgXOutsetMatrix = mat3(
+		vec3( 1.1271005818144368, - 0.1413297634984383, - 0.14132976349843826 ),
+		vec3( - 0.11060664309660323, 1.157823702216272, - 0.11060664309660294 ),
+		vec3( - 0.016493938717834573, - 0.016493938717834257, 1.2519364065950405 )
+	);
+	const float AgxMinEv = - 12.47393;	const float AgxMaxEv = 4.026069;
+	color *= toneMappingExposure;
+	color = LINEAR_SRGB_TO_LINEAR_REC2020 * color;
+	color = AgXInsetMatrix * color;
+	color = max( color, 1e-10 );	color = log2( color );
+	color = ( color - AgxMinEv ) / ( AgxMaxEv - AgxMinEv );
+	color = clamp( color, 0.0, 1.0 );
+	color = agxDefaultContrastApprox( color );
+	color = AgXOutsetMatrix * color;
+	color = pow( max( vec3( 0.0 ), color ), vec3( 2.2 ) );
+	color = LINEAR_REC2020_TO_LINEAR_SRGB * color;
+	color = clamp( color, 0.0, 1.0 );
+	return color;
+}
+vec3 NeutralToneMapping( vec3 color ) {
+	const float StartCompression = 0.8 - 0.04;
+	const float Desaturation = 0.15;
+	color *= toneMappingExposure;
+	float x = min( color.r, min( color.g, color.b ) );
+	float offset = x < 0.08 ? x - 6.25 * x * x : 0.04;
+	color -= offset;
+	float peak = max( color.r, max( color.g, color.b ) );
+	if ( peak < StartCompression ) return color;
+	float d = 1. - StartCompression;
+	float newPeak = 1. - d * d / ( peak + d - StartCompression );
+	color *= newPeak / peak;
+	float g = 1. - 1. / ( Desaturation * ( peak - newPeak ) + 1. );
+	return mix( color, vec3( newPeak ), g );
+}
+vec3 CustomToneMapping( vec3 color ) { return color; }`,jS=`#ifdef USE_TRANSMISSION
+	material.transmission = transmission;
+	material.transmissionAlpha = 1.0;
+	material.thickness = thickness;
+	material.attenuationDistance = attenuationDistance;
+	material.attenuationColor = attenuationColor;
+	#ifdef USE_TRANSMISSIONMAP
+		material.transmission *= texture2D( transmissionMap, vTransmissionMapUv ).r;
+	#endif
+	#ifdef USE_THICKNESSMAP
+		material.thickness *= texture2D( thicknessMap, vThicknessMapUv ).g;
+	#endif
+	vec3 pos = vWorldPosition;
+	vec3 v = normalize( cameraPosition - pos );
+	vec3 n = transformNormalByInverseViewMatrix( normal, viewMatrix );
+	vec4 transmitted = getIBLVolumeRefraction(
+		n, v, material.roughness, material.diffuseContribution, material.specularColorBlended, material.specularF90,
+		pos, modelMatrix, viewMatrix, projectionMatrix, material.dispersion, material.ior, material.thickness,
+		material.attenuationColor, material.attenuationDistance );
+	material.transmissionAlpha = mix( material.transmissionAlpha, transmitted.a, material.transmission );
+	totalDiffuse = mix( totalDiffuse, transmitted.rgb, material.transmission );
+#endif`,QS=`#ifdef USE_TRANSMISSION
+	uniform float transmission;
+	uniform float thickness;
+	uniform float attenuationDistance;
+	uniform vec3 attenuationColor;
+	#ifdef USE_TRANSMISSIONMAP
+		uniform sampler2D transmissionMap;
+	#endif
+	#ifdef USE_THICKNESSMAP
+		uniform sampler2D thicknessMap;
+	#endif
+	uniform vec2 transmissionSamplerSize;
+	uniform sampler2D transmissionSamplerMap;
+	uniform mat4 modelMatrix;
+	uniform mat4 projectionMatrix;
+	varying vec3 vWorldPosition;
+	float w0( float a ) {
+		return ( 1.0 / 6.0 ) * ( a * ( a * ( - a + 3.0 ) - 3.0 ) + 1.0 );
+	}
+	float w1( float a ) {
+		return ( 1.0 / 6.0 ) * ( a *  a * ( 3.0 * a - 6.0 ) + 4.0 );
+	}
+	float w2( float a ){
+		return ( 1.0 / 6.0 ) * ( a * ( a * ( - 3.0 * a + 3.0 ) + 3.0 ) + 1.0 );
+	}
+	float w3( float a ) {
+		return ( 1.0 / 6.0 ) * ( a * a * a );
+	}
+	float g0( float a ) {
+		return w0( a ) + w1( a );
+	}
+	float g1( float a ) {
+		return w2( a ) + w3( a );
+	}
+	float h0( float a ) {
+		return - 1.0 + w1( a ) / ( w0( a ) + w1( a ) );
+	}
+	float h1( float a ) {
+		return 1.0 + w3( a ) / ( w2( a ) + w3( a ) );
+	}
+	vec4 bicubic( sampler2D tex, vec2 uv, vec4 texelSize, float lod ) {
+		uv = uv * texelSize.zw + 0.5;
+		vec2 iuv = floor( uv );
+		vec2 fuv = fract( uv );
+		float g0x = g0( fuv.x );
+		float g1x = g1( fuv.x );
+		float h0x = h0( fuv.x );
+		float h1x = h1( fuv.x );
+		float h0y = h0( fuv.y );
+		float h1y = h1( fuv.y );
+		vec2 p0 = ( vec2( iuv.x + h0x, iuv.y + h0y ) - 0.5 ) * texelSize.xy;
+		vec2 p1 = ( vec2( iuv.x + h1x, iuv.y + h0y ) - 0.5 ) * texelSize.xy;
+		vec2 p2 = ( vec2( iuv.x + h0x, iuv.y + h1y ) - 0.5 ) * texelSize.xy;
+		vec2 p3 = ( vec2( iuv.x + h1x, iuv.y + h1y ) - 0.5 ) * texelSize.xy;
+		return g0( fuv.y ) * ( g0x * textureLod( tex, p0, lod ) + g1x * textureLod( tex, p1, lod ) ) +
+			g1( fuv.y ) * ( g0x * textureLod( tex, p2, lod ) + g1x * textureLod( tex, p3, lod ) );
+	}
+	vec4 textureBicubic( sampler2D sampler, vec2 uv, float lod ) {
+		vec2 fLodSize = vec2( textureSize( sampler, int( lod ) ) );
+		vec2 cLodSize = vec2( textureSize( sampler, int( lod + 1.0 ) ) );
+		vec2 fLodSizeInv = 1.0 / fLodSize;
+		vec2 cLodSizeInv = 1.0 / cLodSize;
+		vec4 fSample = bicubic( sampler, uv, vec4( fLodSizeInv, fLodSize ), floor( lod ) );
+		vec4 cSample = bicubic( sampler, uv, vec4( cLodSizeInv, cLodSize ), ceil( lod ) );
+		return mix( fSample, cSample, fract( lod ) );
+	}
+	vec3 getVolumeTransmissionRay( const in vec3 n, const in vec3 v, const in float thickness, const in float ior, const in mat4 modelMatrix ) {
+		vec3 refractionVector = refract( - v, normalize( n ), 1.0 / ior );
+		vec3 modelScale;
+		modelScale.x = length( vec3( modelMatrix[ 0 ].xyz ) );
+		modelScale.y = length( vec3( modelMatrix[ 1 ].xyz ) );
+		modelScale.z = length( vec3( modelMatrix[ 2 ].xyz ) );
+		return normalize( refractionVector ) * thickness * modelScale;
+	}
+	float applyIorToRoughness( const in float roughness, const in float ior ) {
+		return roughness * clamp( ior * 2.0 - 2.0, 0.0, 1.0 );
+	}
+	vec4 getTransmissionSample( const in vec2 fragCoord, const in float roughness, const in float ior ) {
+		float lod = log2( transmissionSamplerSize.x ) * applyIorToRoughness( roughness, ior );
+		return textureBicubic( transmissionSamplerMap, fragCoord.xy, lod );
+	}
+	vec3 volumeAttenuation( const in float transmissionDistance, const in vec3 attenuationColor, const in float attenuationDistance ) {
+		if ( isinf( attenuationDistance ) ) {
+			return vec3( 1.0 );
+		} else {
+			vec3 attenuationCoefficient = -log( attenuationColor ) / attenuationDistance;
+			vec3 transmittance = exp( - attenuationCoefficient * transmissionDistance );			return transmittance;
+		}
+	}
+	vec4 getIBLVolumeRefraction( const in vec3 n, const in vec3 v, const in float roughness, const in vec3 diffuseColor,
+		const in vec3 specularColor, const in float specularF90, const in vec3 position, const in mat4 modelMatrix,
+		const in mat4 viewMatrix, const in mat4 projMatrix, const in float dispersion, const in float ior, const in float thickness,
+		const in vec3 attenuationColor, const in float attenuationDistance ) {
+		vec4 transmittedLight;
+		vec3 transmittance;
+		#ifdef USE_DISPERSION
+			float halfSpread = ( ior - 1.0 ) * 0.025 * dispersion;
+			vec3 iors = vec3( ior - halfSpread, ior, ior + halfSpread );
+			for ( int i = 0; i < 3; i ++ ) {
+				vec3 transmissionRay = getVolumeTransmissionRay( n, v, thickness, iors[ i ], modelMatrix );
+				vec3 refractedRayExit = position + transmissionRay;
+				vec4 ndcPos = projMatrix * viewMatrix * vec4( refractedRayExit, 1.0 );
+				vec2 refractionCoords = ndcPos.xy / ndcPos.w;
+				refractionCoords += 1.0;
+				refractionCoords /= 2.0;
+				vec4 transmissionSample = getTransmissionSample( refractionCoords, roughness, iors[ i ] );
+				transmittedLight[ i ] = transmissionSample[ i ];
+				transmittedLight.a += transmissionSample.a;
+				transmittance[ i ] = diffuseColor[ i ] * volumeAttenuation( length( transmissionRay ), attenuationColor, attenuationDistance )[ i ];
+			}
+			transmittedLight.a /= 3.0;
+		#else
+			vec3 transmissionRay = getVolumeTransmissionRay( n, v, thickness, ior, modelMatrix );
+			vec3 refractedRayExit = position + transmissionRay;
+			vec4 ndcPos = projMatrix * viewMatrix * vec4( refractedRayExit, 1.0 );
+			vec2 refractionCoords = ndcPos.xy / ndcPos.w;
+			refractionCoords += 1.0;
+			refractionCoords /= 2.0;
+			transmittedLight = getTransmissionSample( refractionCoords, roughness, ior );
+			transmittance = diffuseColor * volumeAttenuation( length( transmissionRay ), attenuationColor, attenuationDistance );
+		#endif
+		vec3 attenuatedColor = transmittance * transmittedLight.rgb;
+		vec3 F = EnvironmentBRDF( n, v, specularColor, specularF90, roughness );
+		float transmittanceFactor = ( transmittance.r + transmittance.g + transmittance.b ) / 3.0;
+		return vec4( ( 1.0 - F ) * attenuatedColor, 1.0 - ( 1.0 - transmittedLight.a ) * transmittanceFactor );
+	}
+#endif`,ew=`#if defined( USE_UV ) || defined( USE_ANISOTROPY )
+	varying vec2 vUv;
+#endif
+#ifdef USE_MAP
+	varying vec2 vMapUv;
+#endif
+#ifdef USE_ALPHAMAP
+	varying vec2 vAlphaMapUv;
+#endif
+#ifdef USE_LIGHTMAP
+	varying vec2 vLightMapUv;
+#endif
+#ifdef USE_AOMAP
+	varying vec2 vAoMapUv;
+#endif
+#ifdef USE_BUMPMAP
+	varying vec2 vBumpMapUv;
+#endif
+#ifdef USE_NORMALMAP
+	varying vec2 vNormalMapUv;
+#endif
+#ifdef USE_EMISSIVEMAP
+	varying vec2 vEmissiveMapUv;
+#endif
+#ifdef USE_METALNESSMAP
+	varying vec2 vMetalnessMapUv;
+#endif
+#ifdef USE_ROUGHNESSMAP
+	varying vec2 vRoughnessMapUv;
+#endif
+#ifdef USE_DIFFUSE_ROUGHNESSMAP
+	varying vec2 vDiffuseRoughnessMapUv;
+#endif
+#ifdef USE_ANISOTROPYMAP
+	varying vec2 vAnisotropyMapUv;
+#endif
+#ifdef USE_CLEARCOATMAP
+	varying vec2 vClearcoatMapUv;
+#endif
+#ifdef USE_CLEARCOAT_NORMALMAP
+	varying vec2 vClearcoatNormalMapUv;
+#endif
+#ifdef USE_CLEARCOAT_ROUGHNESSMAP
+	varying vec2 vClearcoatRoughnessMapUv;
+#endif
+#ifdef USE_IRIDESCENCEMAP
+	varying vec2 vIridescenceMapUv;
+#endif
+#ifdef USE_IRIDESCENCE_THICKNESSMAP
+	varying vec2 vIridescenceThicknessMapUv;
+#endif
+#ifdef USE_SHEEN_COLORMAP
+	varying vec2 vSheenColorMapUv;
+#endif
+#ifdef USE_SHEEN_ROUGHNESSMAP
+	varying vec2 vSheenRoughnessMapUv;
+#endif
+#ifdef USE_SPECULARMAP
+	varying vec2 vSpecularMapUv;
+#endif
+#ifdef USE_SPECULAR_COLORMAP
+	varying vec2 vSpecularColorMapUv;
+#endif
+#ifdef USE_SPECULAR_INTENSITYMAP
+	varying vec2 vSpecularIntensityMapUv;
+#endif
+#ifdef USE_TRANSMISSIONMAP
+	uniform mat3 transmissionMapTransform;
+	varying vec2 vTransmissionMapUv;
+#endif
+#ifdef USE_THICKNESSMAP
+	uniform mat3 thicknessMapTransform;
+	varying vec2 vThicknessMapUv;
+#endif`,tw=`#if defined( USE_UV ) || defined( USE_ANISOTROPY )
+	varying vec2 vUv;
+#endif
+#ifdef USE_MAP
+	uniform mat3 mapTransform;
+	varying vec2 vMapUv;
+#endif
+#ifdef USE_ALPHAMAP
+	uniform mat3 alphaMapTransform;
+	varying vec2 vAlphaMapUv;
+#endif
+#ifdef USE_LIGHTMAP
+	uniform mat3 lightMapTransform;
+	varying vec2 vLightMapUv;
+#endif
+#ifdef USE_AOMAP
+	uniform mat3 aoMapTransform;
+	varying vec2 vAoMapUv;
+#endif
+#ifdef USE_BUMPMAP
+	uniform mat3 bumpMapTransform;
+	varying vec2 vBumpMapUv;
+#endif
+#ifdef USE_NORMALMAP
+	uniform mat3 normalMapTransform;
+	varying vec2 vNormalMapUv;
+#endif
+#ifdef USE_DISPLACEMENTMAP
+	uniform mat3 displacementMapTransform;
+	varying vec2 vDisplacementMapUv;
+#endif
+#ifdef USE_EMISSIVEMAP
+	uniform mat3 emissiveMapTransform;
+	varying vec2 vEmissiveMapUv;
+#endif
+#ifdef USE_METALNESSMAP
+	uniform mat3 metalnessMapTransform;
+	varying vec2 vMetalnessMapUv;
+#endif
+#ifdef USE_ROUGHNESSMAP
+	uniform mat3 roughnessMapTransform;
+	varying vec2 vRoughnessMapUv;
+#endif
+#ifdef USE_DIFFUSE_ROUGHNESSMAP
+	uniform mat3 diffuseRoughnessMapTransform;
+	varying vec2 vDiffuseRoughnessMapUv;
+#endif
+#ifdef USE_ANISOTROPYMAP
+	uniform mat3 anisotropyMapTransform;
+	varying vec2 vAnisotropyMapUv;
+#endif
+#ifdef USE_CLEARCOATMAP
+	uniform mat3 clearcoatMapTransform;
+	varying vec2 vClearcoatMapUv;
+#endif
+#ifdef USE_CLEARCOAT_NORMALMAP
+	uniform mat3 clearcoatNormalMapTransform;
+	varying vec2 vClearcoatNormalMapUv;
+#endif
+#ifdef USE_CLEARCOAT_ROUGHNESSMAP
+	uniform mat3 clearcoatRoughnessMapTransform;
+	varying vec2 vClearcoatRoughnessMapUv;
+#endif
+#ifdef USE_SHEEN_COLORMAP
+	uniform mat3 sheenColorMapTransform;
+	varying vec2 vSheenColorMapUv;
+#endif
+#ifdef USE_SHEEN_ROUGHNESSMAP
+	uniform mat3 sheenRoughnessMapTransform;
+	varying vec2 vSheenRoughnessMapUv;
+#endif
+#ifdef USE_IRIDESCENCEMAP
+	uniform mat3 iridescenceMapTransform;
+	varying vec2 vIridescenceMapUv;
+#endif
+#ifdef USE_IRIDESCENCE_THICKNESSMAP
+	uniform mat3 iridescenceThicknessMapTransform;
+	varying vec2 vIridescenceThicknessMapUv;
+#endif
+#ifdef USE_SPECULARMAP
+	uniform mat3 specularMapTransform;
+	varying vec2 vSpecularMapUv;
+#endif
+#ifdef USE_SPECULAR_COLORMAP
+	uniform mat3 specularColorMapTransform;
+	varying vec2 vSpecularColorMapUv;
+#endif
+#ifdef USE_SPECULAR_INTENSITYMAP
+	uniform mat3 specularIntensityMapTransform;
+	varying vec2 vSpecularIntensityMapUv;
+#endif
+#ifdef USE_TRANSMISSIONMAP
+	uniform mat3 transmissionMapTransform;
+	varying vec2 vTransmissionMapUv;
+#endif
+#ifdef USE_THICKNESSMAP
+	uniform mat3 thicknessMapTransform;
+	varying vec2 vThicknessMapUv;
+#endif`,nw=`#if defined( USE_UV ) || defined( USE_ANISOTROPY )
+	vUv = vec3( uv, 1 ).xy;
+#endif
+#ifdef USE_MAP
+	vMapUv = ( mapTransform * vec3( MAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_ALPHAMAP
+	vAlphaMapUv = ( alphaMapTransform * vec3( ALPHAMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_LIGHTMAP
+	vLightMapUv = ( lightMapTransform * vec3( LIGHTMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_AOMAP
+	vAoMapUv = ( aoMapTransform * vec3( AOMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_BUMPMAP
+	vBumpMapUv = ( bumpMapTransform * vec3( BUMPMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_NORMALMAP
+	vNormalMapUv = ( normalMapTransform * vec3( NORMALMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_DISPLACEMENTMAP
+	vDisplacementMapUv = ( displacementMapTransform * vec3( DISPLACEMENTMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_EMISSIVEMAP
+	vEmissiveMapUv = ( emissiveMapTransform * vec3( EMISSIVEMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_METALNESSMAP
+	vMetalnessMapUv = ( metalnessMapTransform * vec3( METALNESSMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_ROUGHNESSMAP
+	vRoughnessMapUv = ( roughnessMapTransform * vec3( ROUGHNESSMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_DIFFUSE_ROUGHNESSMAP
+	vDiffuseRoughnessMapUv = ( diffuseRoughnessMapTransform * vec3( DIFFUSE_ROUGHNESSMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_ANISOTROPYMAP
+	vAnisotropyMapUv = ( anisotropyMapTransform * vec3( ANISOTROPYMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_CLEARCOATMAP
+	vClearcoatMapUv = ( clearcoatMapTransform * vec3( CLEARCOATMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_CLEARCOAT_NORMALMAP
+	vClearcoatNormalMapUv = ( clearcoatNormalMapTransform * vec3( CLEARCOAT_NORMALMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_CLEARCOAT_ROUGHNESSMAP
+	vClearcoatRoughnessMapUv = ( clearcoatRoughnessMapTransform * vec3( CLEARCOAT_ROUGHNESSMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_IRIDESCENCEMAP
+	vIridescenceMapUv = ( iridescenceMapTransform * vec3( IRIDESCENCEMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_IRIDESCENCE_THICKNESSMAP
+	vIridescenceThicknessMapUv = ( iridescenceThicknessMapTransform * vec3( IRIDESCENCE_THICKNESSMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_SHEEN_COLORMAP
+	vSheenColorMapUv = ( sheenColorMapTransform * vec3( SHEEN_COLORMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_SHEEN_ROUGHNESSMAP
+	vSheenRoughnessMapUv = ( sheenRoughnessMapTransform * vec3( SHEEN_ROUGHNESSMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_SPECULARMAP
+	vSpecularMapUv = ( specularMapTransform * vec3( SPECULARMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_SPECULAR_COLORMAP
+	vSpecularColorMapUv = ( specularColorMapTransform * vec3( SPECULAR_COLORMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_SPECULAR_INTENSITYMAP
+	vSpecularIntensityMapUv = ( specularIntensityMapTransform * vec3( SPECULAR_INTENSITYMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_TRANSMISSIONMAP
+	vTransmissionMapUv = ( transmissionMapTransform * vec3( TRANSMISSIONMAP_UV, 1 ) ).xy;
+#endif
+#ifdef USE_THICKNESSMAP
+	vThicknessMapUv = ( thicknessMapTransform * vec3( THICKNESSMAP_UV, 1 ) ).xy;
+#endif`,iw=`#if defined( USE_ENVMAP ) || defined( DISTANCE ) || defined ( USE_SHADOWMAP ) || defined ( USE_TRANSMISSION ) || NUM_SPOT_LIGHT_COORDS > 0
+	vec4 worldPosition = vec4( transformed, 1.0 );
+	#ifdef USE_BATCHING
+		worldPosition = batchingMatrix * worldPosition;
+	#endif
+	#ifdef USE_INSTANCING
+		worldPosition = instanceMatrix * worldPosition;
+	#endif
+	worldPosition = modelMatrix * worldPosition;
+#endif`,sw=`varying vec2 vUv;
+uniform mat3 uvTransform;
+void main() {
+	vUv = ( uvTransform * vec3( uv, 1 ) ).xy;
+	gl_Position = vec4( position.xy, 1.0, 1.0 );
+}`,rw=`uniform sampler2D t2D;
+uniform float backgroundIntensity;
+varying vec2 vUv;
+void main() {
+	vec4 texColor = texture2D( t2D, vUv );
+	#ifdef DECODE_VIDEO_TEXTURE
+		texColor = vec4( mix( pow( texColor.rgb * 0.9478672986 + vec3( 0.0521327014 ), vec3( 2.4 ) ), texColor.rgb * 0.0773993808, vec3( lessThanEqual( texColor.rgb, vec3( 0.04045 ) ) ) ), texColor.w );
+	#endif
+	texColor.rgb *= backgroundIntensity;
+	gl_FragColor = texColor;
+	#include <tonemapping_fragment>
+	#include <colorspace_fragment>
+}`,ow=`varying vec3 vWorldDirection;
+#include <common>
+void main() {
+	vWorldDirection = transformDirection( position, modelMatrix );
+	#include <begin_vertex>
+	#include <project_vertex>
+	gl_Position.z = gl_Position.w;
+}`,aw=`uniform float backgroundBlurriness;
+uniform float backgroundIntensity;
+uniform mat3 backgroundRotation;
+varying vec3 vWorldDirection;
+#include <envmap_common_pars_fragment>
+void main() {
+	#ifdef ENVMAP_TYPE_PMREM
+		vec4 texColor = textureLod( envMap, backgroundRotation * vWorldDirection, roughnessToMip( backgroundBlurriness ) );
+	#else
+		vec4 texColor = textureCube( envMap, backgroundRotation * vWorldDirection );
+	#endif
+	texColor.rgb *= backgroundIntensity;
+	gl_FragColor = texColor;
+	#include <tonemapping_fragment>
+	#include <colorspace_fragment>
+}`,lw=`varying vec3 vWorldDirection;
+#include <common>
+void main() {
+	vWorldDirection = transformDirection( position, modelMatrix );
+	#include <begin_vertex>
+	#include <project_vertex>
+	gl_Position.z = gl_Position.w;
+}`,cw=`uniform samplerCube tCube;
+uniform float tFlip;
+uniform float opacity;
+varying vec3 vWorldDirection;
+void main() {
+	vec4 texColor = textureCube( tCube, vec3( tFlip * vWorldDirection.x, vWorldDirection.yz ) );
+	gl_FragColor = texColor;
+	gl_FragColor.a *= opacity;
+	#include <tonemapping_fragment>
+	#include <colorspace_fragment>
+}`,hw=`#include <common>
+#include <batching_pars_vertex>
+#include <uv_pars_vertex>
+#include <displacementmap_pars_vertex>
+#include <morphtarget_pars_vertex>
+#include <skinning_pars_vertex>
+#include <logdepthbuf_pars_vertex>
+#include <clipping_planes_pars_vertex>
+varying vec2 vHighPrecisionZW;
+void main() {
+	#include <uv_vertex>
+	#include <batching_vertex>
+	#include <skinbase_vertex>
+	#include <morphinstance_vertex>
+	#ifdef USE_DISPLACEMENTMAP
+		#include <beginnormal_vertex>
+		#include <morphnormal_vertex>
+		#include <skinnormal_vertex>
+	#endif
+	#include <begin_vertex>
+	#include <morphtarget_vertex>
+	#include <skinning_vertex>
+	#include <displacementmap_vertex>
+	#include <project_vertex>
+	#include <logdepthbuf_vertex>
+	#include <clipping_planes_vertex>
+	vHighPrecisionZW = gl_Position.zw;
+}`,uw=`#if DEPTH_PACKING == 3200
+	uniform float opacity;
+#endif
+#include <common>
+#include <packing>
+#include <uv_pars_fragment>
+#include <map_pars_fragment>
+#include <alphamap_pars_fragment>
+#include <alphatest_pars_fragment>
+#include <alphahash_pars_fragment>
+#include <logdepthbuf_pars_fragment>
+#include <clipping_planes_pars_fragment>
+varying vec2 vHighPrecisionZW;
+void main() {
+	vec4 diffuseColor = vec4( 1.0 );
+	#include <clipping_planes_fragment>
+	#if DEPTH_PACKING == 3200
+		diffuseColor.a = opacity;
+	#endif
+	#include <map_fragment>
+	#include <alphamap_fragment>
+	#include <alphatest_fragment>
+	#include <alphahash_fragment>
+	#include <logdepthbuf_fragment>
+	#ifdef USE_REVERSED_DEPTH_BUFFER
+		float fragCoordZ = vHighPrecisionZW[ 0 ] / vHighPrecisionZW[ 1 ];
+	#else
+		float fragCoordZ = 0.5 * vHighPrecisionZW[ 0 ] / vHighPrecisionZW[ 1 ] + 0.5;
+	#endif
+	#if DEPTH_PACKING == 3200
+		gl_FragColor = vec4( vec3( 1.0 - fragCoordZ ), opacity );
+	#elif DEPTH_PACKING == 3201
+		gl_FragColor = packDepthToRGBA( fragCoordZ );
+	#elif DEPTH_PACKING == 3202
+		gl_FragColor = vec4( packDepthToRGB( fragCoordZ ), 1.0 );
+	#elif DEPTH_PACKING == 3203
+		gl_FragColor = vec4( packDepthToRG( fragCoordZ ), 0.0, 1.0 );
+	#endif
+}`,fw=`#define DISTANCE
+varying vec3 vWorldPosition;
+#include <common>
+#include <batching_pars_vertex>
+#include <uv_pars_vertex>
+#include <displacementmap_pars_vertex>
+#include <morphtarget_pars_vertex>
+#include <skinning_pars_vertex>
+#include <clipping_planes_pars_vertex>
+void main() {
+	#include <uv_vertex>
+	#include <batching_vertex>
+	#include <skinbase_vertex>
+	#include <morphinstance_vertex>
+	#ifdef USE_DISPLACEMENTMAP
+		#include <beginnormal_vertex>
+		#include <morphnormal_vertex>
+		#include <skinnormal_vertex>
+	#endif
+	#include <begin_vertex>
+	#include <morphtarget_vertex>
+	#include <skinning_vertex>
+	#include <displacementmap_vertex>
+	#include <project_vertex>
+	#include <worldpos_vertex>
+	#include <clipping_planes_vertex>
+	vWorldPosition = worldPosition.xyz;
+}`,dw=`#define DISTANCE
+uniform vec3 referencePosition;
+uniform float nearDistance;
+uniform float farDistance;
+varying vec3 vWorldPosition;
+#include <common>
+#include <uv_pars_fragment>
+#include <map_pars_fragment>
+#include <alphamap_pars_fragment>
+#include <alphatest_pars_fragment>
+#include <alphahash_pars_fragment>
+#include <clipping_planes_pars_fragment>
+void main() {
+	vec4 diffuseColor = vec4( 1.0 );
+	#include <clipping_planes_fragment>
+	#include <map_fragment>
+	#include <alphamap_fragment>
+	#include <alphatest_fragment>
+	#include <alphahash_fragment>
+	float dist = length( vWorldPosition - referencePosition );
+	dist = ( dist - nearDistance ) / ( farDistance - nearDistance );
+	dist = saturate( dist );
+	gl_FragColor = vec4( dist, 0.0, 0.0, 1.0 );
+}`,pw=`varying vec3 vWorldDirection;
+#include <common>
+void main() {
+	vWorldDirection = transformDirection( position, modelMatrix );
+	#include <begin_vertex>
+	#include <project_vertex>
+}`,mw=`uniform sampler2D tEquirect;
+varying vec3 vWorldDirection;
+#include <common>
+void main() {
+	vec3 direction = normalize( vWorldDirection );
+	vec2 sampleUV = equirectUv( direction );
+	gl_FragColor = texture2D( tEquirect, sampleUV );
+	#include <tonemapping_fragment>
+	#include <colorspace_fragment>
+}`,gw=`uniform float scale;
+attribute float lineDistance;
+varying float vLineDistance;
+#include <common>
+#include <uv_pars_vertex>
+#include <color_pars_vertex>
+#include <fog_pars_vertex>
+#include <morphtarget_pars_vertex>
+#include <logdepthbuf_pars_vertex>
+#include <clipping_planes_pars_vertex>
+void main() {
+	vLineDistance = scale * lineDistance;
+	#include <uv_vertex>
+	#include <color_vertex>
+	#include <morphinstance_vertex>
+	#include <morphcolor_vertex>
+	#include <begin_vertex>
+	#include <morphtarget_vertex>
+	#include <project_vertex>
+	#include <logdepthbuf_vertex>
+	#include <clipping_planes_vertex>
+	#include <fog_vertex>
+}`,_w=`uniform vec3 diffuse;
+uniform float opacity;
+uniform float dashSize;
+uniform float totalSize;
+varying float vLineDistance;
+#include <common>
+#include <color_pars_fragment>
+#include <uv_pars_fragment>
+#include <map_pars_fragment>
+#include <fog_pars_fragment>
+#include <logdepthbuf_pars_fragment>
+#include <clipping_planes_pars_fragment>
+void main() {
+	vec4 diffuseColor = vec4( diffuse, opacity );
+	#include <clipping_planes_fragment>
+	if ( mod( vLineDistance, totalSize ) > dashSize ) {
+		discard;
+	}
+	vec3 outgoingLight = vec3( 0.0 );
+	#include <logdepthbuf_fragment>
+	#include <map_fragment>
+	#include <color_fragment>
+	outgoingLight = diffuseColor.rgb;
+	#include <opaque_fragment>
+	#include <tonemapping_fragment>
+	#include <colorspace_fragment>
+	#include <fog_fragment>
+	#include <premultiplied_alpha_fragment>
+}`,yw=`#include <common>
+#include <batching_pars_vertex>
+#include <uv_pars_vertex>
+#include <envmap_pars_vertex>
+#include <color_pars_vertex>
+#include <fog_pars_vertex>
+#include <morphtarget_pars_vertex>
+#include <skinning_pars_vertex>
+#include <logdepthbuf_pars_vertex>
+#include <clipping_planes_pars_vertex>
+void main() {
+	#include <uv_vertex>
+	#include <color_vertex>
+	#include <morphinstance_vertex>
+	#include <morphcolor_vertex>
+	#include <batching_vertex>
+	#if defined ( USE_ENVMAP ) || defined ( USE_SKINNING )
+		#include <beginnormal_vertex>
+		#include <morphnormal_vertex>
+		#include <skinbase_vertex>
+		#include <skinnormal_vertex>
+		#include <defaultnormal_vertex>
+	#endif
+	#include <begin_vertex>
+	#include <morphtarget_vertex>
+	#include <skinning_vertex>
+	#include <project_vertex>
+	#include <logdepthbuf_vertex>
+	#include <clipping_planes_vertex>
+	#include <worldpos_vertex>
+	#include <envmap_vertex>
+	#include <fog_vertex>
+}`,xw=`uniform vec3 diffuse;
+uniform float opacity;
+#ifndef FLAT_SHADED
+	varying vec3 vNormal;
+#endif
+#include <common>
+#include <dithering_pars_fragment>
+#include <color_pars_fragment>
+#include <uv_pars_fragment>
+#include <map_pars_fragment>
+#include <alphamap_pars_fragment>
+#include <alphatest_pars_fragment>
+#include <alphahash_pars_fragment>
+#include <aomap_pars_fragment>
+#include <lightmap_pars_fragment>
+#include <envmap_common_pars_fragment>
+#include <envmap_pars_fragment>
+#include <fog_pars_fragment>
+#include <specularmap_pars_fragment>
+#include <logdepthbuf_pars_fragment>
+#include <clipping_planes_pars_fragment>
+void main() {
+	vec4 diffuseColor = vec4( diffuse, opacity );
+	#include <clipping_planes_fragment>
+	#include <logdepthbuf_fragment>
+	#include <map_fragment>
+	#include <color_fragment>
+	#include <alphamap_fragment>
+	#include <alphatest_fragment>
+	#include <alphahash_fragment>
+	#include <specularmap_fragment>
+	ReflectedLight reflectedLight = ReflectedLight( vec3( 0.0 ), vec3( 0.0 ), vec3( 0.0 ), vec3( 0.0 ) );
+	#ifdef USE_LIGHTMAP
+		vec4 lightMapTexel = texture2D( lightMap, vLightMapUv );
+		reflectedLight.indirectDiffuse += lightMapTexel.rgb * lightMapIntensity * RECIPROCAL_PI;
+	#else
+		reflectedLight.indirectDiffuse += vec3( 1.0 );
+	#endif
+	#include <aomap_fragment>
+	reflectedLight.indirectDiffuse *= diffuseColor.rgb;
+	vec3 outgoingLight = reflectedLight.indirectDiffuse;
+	#include <envmap_fragment>
+	#include <opaque_fragment>
+	#include <tonemapping_fragment>
+	#include <colorspace_fragment>
+	#include <fog_fragment>
+	#include <premultiplied_alpha_fragment>
+	#include <dithering_fragment>
+}`,vw=`#define LAMBERT
+varying vec3 vViewPosition;
+#include <common>
+#include <batching_pars_vertex>
+#include <uv_pars_vertex>
+#include <displacementmap_pars_vertex>
+#include <envmap_pars_vertex>
+#include <color_pars_vertex>
+#include <fog_pars_vertex>
+#include <normal_pars_vertex>
+#include <morphtarget_pars_vertex>
+#include <skinning_pars_vertex>
+#include <shadowmap_pars_vertex>
+#include <logdepthbuf_pars_vertex>
+#include <clipping_planes_pars_vertex>
+void main() {
+	#include <uv_vertex>
+	#include <color_vertex>
+	#include <morphinstance_vertex>
+	#include <morphcolor_vertex>
+	#include <batching_vertex>
+	#include <beginnormal_vertex>
+	#include <morphnormal_vertex>
+	#include <skinbase_vertex>
+	#include <skinnormal_vertex>
+	#include <defaultnormal_vertex>
+	#include <normal_vertex>
+	#include <begin_vertex>
+	#include <morphtarget_vertex>
+	#include <skinning_vertex>
+	#include <displacementmap_vertex>
+	#include <project_vertex>
+	#include <logdepthbuf_vertex>
+	#include <clipping_planes_vertex>
+	vViewPosition = - mvPosition.xyz;
+	#include <worldpos_vertex>
+	#include <envmap_vertex>
+	#include <shadowmap_vertex>
+	#include <fog_vertex>
+}`,bw=`#define LAMBERT
+uniform vec3 diffuse;
+uniform vec3 emissive;
+uniform float opacity;
+#include <common>
+#include <dithering_pars_fragment>
+#include <color_pars_fragment>
+#include <uv_pars_fragment>
+#include <map_pars_fragment>
+#include <alphamap_pars_fragment>
+#include <alphatest_pars_fragment>
+#include <alphahash_pars_fragment>
+#include <aomap_pars_fragment>
+#include <lightmap_pars_fragment>
+#include <emissivemap_pars_fragment>
+#include <envmap_common_pars_fragment>
+#include <envmap_pars_fragment>
+#include <envmap_physical_pars_fragment>
+#include <fog_pars_fragment>
+#include <bsdfs>
+#include <lights_pars_begin>
+#include <normal_pars_fragment>
+#include <lights_lambert_pars_fragment>
+#include <shadowmap_pars_fragment>
+#include <bumpmap_pars_fragment>
+#include <normalmap_pars_fragment>
+#include <specularmap_pars_fragment>
+#include <logdepthbuf_pars_fragment>
+#include <clipping_planes_pars_fragment>
+void main() {
+	vec4 diffuseColor = vec4( diffuse, opacity );
+	#include <clipping_planes_fragment>
+	ReflectedLight reflectedLight = ReflectedLight( vec3( 0.0 ), vec3( 0.0 ), vec3( 0.0 ), vec3( 0.0 ) );
+	vec3 totalEmissiveRadiance = emissive;
+	#include <logdepthbuf_fragment>
+	#include <map_fragment>
+	#include <color_fragment>
+	#include <alphamap_fragment>
+	#include <alphatest_fragment>
+	#include <alphahash_fragment>
+	#include <specularmap_fragment>
+	#include <normal_fragment_begin>
+	#include <normal_fragment_maps>
+	#include <emissivemap_fragment>
+	#include <lights_lambert_fragment>
+	#include <lights_fragment_begin>
+	#include <lights_fragment_maps>
+	#include <lights_fragment_end>
+	#include <aomap_fragment>
+	vec3 outgoingLight = reflectedLight.directDiffuse + reflectedLight.indirectDiffuse + totalEmissiveRadiance;
+	#include <envmap_fragment>
+	#include <opaque_fragment>
+	#include <tonemapping_fragment>
+	#include <colorspace_fragment>
+	#include <fog_fragment>
+	#include <premultiplied_alpha_fragment>
+	#include <dithering_fragment>
+}`,Mw=`#define MATCAP
+varying vec3 vViewPosition;
+#include <common>
+#include <batching_pars_vertex>
+#include <uv_pars_vertex>
+#include <color_pars_vertex>
+#include <displacementmap_pars_vertex>
+#include <fog_pars_vertex>
+#include <normal_pars_vertex>
+#include <morphtarget_pars_vertex>
+#include <skinning_pars_vertex>
+#include <logdepthbuf_pars_vertex>
+#include <clipping_planes_pars_vertex>
+void main() {
+	#include <uv_vertex>
+	#include <color_vertex>
+	#include <morphinstance_vertex>
+	#include <morphcolor_vertex>
+	#include <batching_vertex>
+	#include <beginnormal_vertex>
+	#include <morphnormal_vertex>
+	#include <skinbase_vertex>
+	#include <skinnormal_vertex>
+	#include <defaultnormal_vertex>
+	#include <normal_vertex>
+	#include <begin_vertex>
+	#include <morphtarget_vertex>
+	#include <skinning_vertex>
+	#include <displacementmap_vertex>
+	#include <project_vertex>
+	#include <logdepthbuf_vertex>
+	#include <clipping_planes_vertex>
+	#include <fog_vertex>
+	vViewPosition = - mvPosition.xyz;
+}`,Sw=`#define MATCAP
+uniform vec3 diffuse;
+uniform float opacity;
+uniform sampler2D matcap;
+varying vec3 vViewPosition;
+#include <common>
+#include <dithering_pars_fragment>
+#include <color_pars_fragment>
+#include <uv_pars_fragment>
+#include <map_pars_fragment>
+#include <alphamap_pars_fragment>
+#include <alphatest_pars_fragment>
+#include <alphahash_pars_fragment>
+#include <fog_pars_fragment>
+#include <normal_pars_fragment>
+#include <bumpmap_pars_fragment>
+#include <normalmap_pars_fragment>
+#include <logdepthbuf_pars_fragment>
+#include <clipping_planes_pars_fragment>
+void main() {
+	vec4 diffuseColor = vec4( diffuse, opacity );
+	#include <clipping_planes_fragment>
+	#include <logdepthbuf_fragment>
+	#include <map_fragment>
+	#include <color_fragment>
+	#include <alphamap_fragment>
+	#include <alphatest_fragment>
+	#include <alphahash_fragment>
+	#include <normal_fragment_begin>
+	#include <normal_fragment_maps>
+	vec3 viewDir = normalize( vViewPosition );
+	vec3 x = normalize( vec3( viewDir.z, 0.0, - viewDir.x ) );
+	vec3 y = cross( viewDir, x );
+	vec2 uv = vec2( dot( x, normal ), dot( y, normal ) ) * 0.495 + 0.5;
+	#ifdef USE_MATCAP
+		vec4 matcapColor = texture2D( matcap, uv );
+	#else
+		vec4 matcapColor = vec4( vec3( mix( 0.2, 0.8, uv.y ) ), 1.0 );
+	#endif
+	vec3 outgoingLight = diffuseColor.rgb * matcapColor.rgb;
+	#include <opaque_fragment>
+	#include <tonemapping_fragment>
+	#include <colorspace_fragment>
+	#include <fog_fragment>
+	#include <premultiplied_alpha_fragment>
+	#include <dithering_fragment>
+}`,ww=`#define NORMAL
+#if defined( FLAT_SHADED ) || defined( USE_BUMPMAP ) || defined( USE_NORMALMAP_TANGENTSPACE )
+	varying vec3 vViewPosition;
+#endif
+#include <common>
+#include <batching_pars_vertex>
+#include <uv_pars_vertex>
+#include <displacementmap_pars_vertex>
+#include <normal_pars_vertex>
+#include <morphtarget_pars_vertex>
+#include <skinning_pars_vertex>
+#include <logdepthbuf_pars_vertex>
+#include <clipping_planes_pars_vertex>
+void main() {
+	#include <uv_vertex>
+	#include <batching_vertex>
+	#include <beginnormal_vertex>
+	#include <morphinstance_vertex>
+	#include <morphnormal_vertex>
+	#include <skinbase_vertex>
+	#include <skinnormal_vertex>
+	#include <defaultnormal_vertex>
+	#include <normal_vertex>
+	#include <begin_vertex>
+	#include <morphtarget_vertex>
+	#include <skinning_vertex>
+	#include <displacementmap_vertex>
+	#include <project_vertex>
+	#include <logdepthbuf_vertex>
+	#include <clipping_planes_vertex>
+#if defined( FLAT_SHADED ) || defined( USE_BUMPMAP ) || defined( USE_NORMALMAP_TANGENTSPACE )
+	vViewPosition = - mvPosition.xyz;
+#endif
+}`,Aw=`#define NORMAL
+uniform float opacity;
+#if defined( FLAT_SHADED ) || defined( USE_BUMPMAP ) || defined( USE_NORMALMAP_TANGENTSPACE )
+	varying vec3 vViewPosition;
+#endif
+#include <uv_pars_fragment>
+#include <normal_pars_fragment>
+#include <bumpmap_pars_fragment>
+#include <normalmap_pars_fragment>
+#include <logdepthbuf_pars_fragment>
+#include <clipping_planes_pars_fragment>
+void main() {
+	vec4 diffuseColor = vec4( 0.0, 0.0, 0.0, opacity );
+	#include <clipping_planes_fragment>
+	#include <logdepthbuf_fragment>
+	#include <normal_fragment_begin>
+	#include <normal_fragment_maps>
+	gl_FragColor = vec4( normalize( normal ) * 0.5 + 0.5, diffuseColor.a );
+	#ifdef OPAQUE
+		gl_FragColor.a = 1.0;
+	#endif
+}`,Ew=`#define PHONG
+varying vec3 vViewPosition;
+#include <common>
+#include <batching_pars_vertex>
+#include <uv_pars_vertex>
+#include <displacementmap_pars_vertex>
+#include <envmap_pars_vertex>
+#include <color_pars_vertex>
+#include <fog_pars_vertex>
+#include <normal_pars_vertex>
+#include <morphtarget_pars_vertex>
+#include <skinning_pars_vertex>
+#include <shadowmap_pars_vertex>
+#include <logdepthbuf_pars_vertex>
+#include <clipping_planes_pars_vertex>
+void main() {
+	#include <uv_vertex>
+	#include <color_vertex>
+	#include <morphcolor_vertex>
+	#include <batching_vertex>
+	#include <beginnormal_vertex>
+	#include <morphinstance_vertex>
+	#include <morphnormal_vertex>
+	#include <skinbase_vertex>
+	#include <skinnormal_vertex>
+	#include <defaultnormal_vertex>
+	#include <normal_vertex>
+	#include <begin_vertex>
+	#include <morphtarget_vertex>
+	#include <skinning_vertex>
+	#include <displacementmap_vertex>
+	#include <project_vertex>
+	#include <logdepthbuf_vertex>
+	#include <clipping_planes_vertex>
+	vViewPosition = - mvPosition.xyz;
+	#include <worldpos_vertex>
+	#include <envmap_vertex>
+	#include <shadowmap_vertex>
+	#include <fog_vertex>
+}`,Tw=`#define PHONG
+uniform vec3 diffuse;
+uniform vec3 emissive;
+uniform vec3 specular;
+uniform float shininess;
+uniform float opacity;
+#include <common>
+#include <dithering_pars_fragment>
+#include <color_pars_fragment>
+#include <uv_pars_fragment>
+#include <map_pars_fragment>
+#include <alphamap_pars_fragment>
+#include <alphatest_pars_fragment>
+#include <alphahash_pars_fragment>
+#include <aomap_pars_fragment>
+#include <lightmap_pars_fragment>
+#include <emissivemap_pars_fragment>
+#include <envmap_common_pars_fragment>
+#include <envmap_pars_fragment>
+#include <envmap_physical_pars_fragment>
+#include <fog_pars_fragment>
+#include <bsdfs>
+#include <lights_pars_begin>
+#include <normal_pars_fragment>
+#include <lights_phong_pars_fragment>
+#include <shadowmap_pars_fragment>
+#include <bumpmap_pars_fragment>
+#include <normalmap_pars_fragment>
+#include <specularmap_pars_fragment>
+#include <logdepthbuf_pars_fragment>
+#include <clipping_planes_pars_fragment>
+void main() {
+	vec4 diffuseColor = vec4( diffuse, opacity );
+	#include <clipping_planes_fragment>
+	ReflectedLight reflectedLight = ReflectedLight( vec3( 0.0 ), vec3( 0.0 ), vec3( 0.0 ), vec3( 0.0 ) );
+	vec3 totalEmissiveRadiance = emissive;
+	#include <logdepthbuf_fragment>
+	#include <map_fragment>
+	#include <color_fragment>
+	#include <alphamap_fragment>
+	#include <alphatest_fragment>
+	#include <alphahash_fragment>
+	#include <specularmap_fragment>
+	#include <normal_fragment_begin>
+	#include <normal_fragment_maps>
+	#include <emissivemap_fragment>
+	#include <lights_phong_fragment>
+	#include <lights_fragment_begin>
+	#include <lights_fragment_maps>
+	#include <lights_fragment_end>
+	#include <aomap_fragment>
+	vec3 outgoingLight = reflectedLight.directDiffuse + reflectedLight.indirectDiffuse + reflectedLight.directSpecular + reflectedLight.indirectSpecular + totalEmissiveRadiance;
+	#include <envmap_fragment>
+	#include <opaque_fragment>
+	#include <tonemapping_fragment>
+	#include <colorspace_fragment>
+	#include <fog_fragment>
+	#include <premultiplied_alpha_fragment>
+	#include <dithering_fragment>
+}`,Cw=`#define STANDARD
+varying vec3 vViewPosition;
+#ifdef USE_TRANSMISSION
+	varying vec3 vWorldPosition;
+#endif
+#include <common>
+#include <batching_pars_vertex>
+#include <uv_pars_vertex>
+#include <displacementmap_pars_vertex>
+#include <color_pars_vertex>
+#include <fog_pars_vertex>
+#include <normal_pars_vertex>
+#include <morphtarget_pars_vertex>
+#include <skinning_pars_vertex>
+#include <shadowmap_pars_vertex>
+#include <logdepthbuf_pars_vertex>
+#include <clipping_planes_pars_vertex>
+void main() {
+	#include <uv_vertex>
+	#include <color_vertex>
+	#include <morphinstance_vertex>
+	#include <morphcolor_vertex>
+	#include <batching_vertex>
+	#include <beginnormal_vertex>
+	#include <morphnormal_vertex>
+	#include <skinbase_vertex>
+	#include <skinnormal_vertex>
+	#include <defaultnormal_vertex>
+	#include <normal_vertex>
+	#include <begin_vertex>
+	#include <morphtarget_vertex>
+	#include <skinning_vertex>
+	#include <displacementmap_vertex>
+	#include <project_vertex>
+	#include <logdepthbuf_vertex>
+	#include <clipping_planes_vertex>
+	vViewPosition = - mvPosition.xyz;
+	#include <worldpos_vertex>
+	#include <shadowmap_vertex>
+	#include <fog_vertex>
+#ifdef USE_TRANSMISSION
+	vWorldPosition = worldPosition.xyz;
+#endif
+}`,Rw=`#define STANDARD
+#ifdef PHYSICAL
+	#define IOR
+	#define USE_SPECULAR
+#endif
+uniform vec3 diffuse;
+uniform vec3 emissive;
+uniform float roughness;
+uniform float metalness;
+uniform float opacity;
+#ifdef IOR
+	uniform float ior;
+#endif
+#ifdef USE_SPECULAR
+	uniform float specularIntensity;
+	uniform vec3 specularColor;
+	#ifdef USE_SPECULAR_COLORMAP
+		uniform sampler2D specularColorMap;
+	#endif
+	#ifdef USE_SPECULAR_INTENSITYMAP
+		uniform sampler2D specularIntensityMap;
+	#endif
+#endif
+#ifdef USE_CLEARCOAT
+	uniform float clearcoat;
+	uniform float clearcoatRoughness;
+#endif
+#ifdef USE_DIFFUSE_ROUGHNESS
+	uniform float diffuseRoughness;
+	#ifdef USE_DIFFUSE_ROUGHNESSMAP
+		uniform sampler2D diffuseRoughnessMap;
+	#endif
+#endif
+#ifdef USE_DISPERSION
+	uniform float dispersion;
+#endif
+#ifdef USE_RETROREFLECTION
+	uniform float retroreflectivity;
+#endif
+#ifdef USE_IRIDESCENCE
+	uniform float iridescence;
+	uniform float iridescenceIOR;
+	uniform float iridescenceThicknessMinimum;
+	uniform float iridescenceThicknessMaximum;
+#endif
+#ifdef USE_SHEEN
+	uniform vec3 sheenColor;
+	uniform float sheenRoughness;
+	#ifdef USE_SHEEN_COLORMAP
+		uniform sampler2D sheenColorMap;
+	#endif
+	#ifdef USE_SHEEN_ROUGHNESSMAP
+		uniform sampler2D sheenRoughnessMap;
+	#endif
+#endif
+#ifdef USE_ANISOTROPY
+	uniform vec2 anisotropyVector;
+	#ifdef USE_ANISOTROPYMAP
+		uniform sampler2D anisotropyMap;
+	#endif
+#endif
+varying vec3 vViewPosition;
+#include <common>
+#include <dithering_pars_fragment>
+#include <color_pars_fragment>
+#include <uv_pars_fragment>
+#include <map_pars_fragment>
+#include <alphamap_pars_fragment>
+#include <alphatest_pars_fragment>
+#include <alphahash_pars_fragment>
+#include <aomap_pars_fragment>
+#include <lightmap_pars_fragment>
+#include <emissivemap_pars_fragment>
+#include <iridescence_fragment>
+#include <envmap_common_pars_fragment>
+#include <envmap_physical_pars_fragment>
+#include <fog_pars_fragment>
+#include <lights_pars_begin>
+#include <normal_pars_fragment>
+#include <lights_physical_pars_fragment>
+#include <transmission_pars_fragment>
+#include <shadowmap_pars_fragment>
+#include <bumpmap_pars_fragment>
+#include <normalmap_pars_fragment>
+#include <clearcoat_pars_fragment>
+#include <iridescence_pars_fragment>
+#include <roughnessmap_pars_fragment>
+#include <metalnessmap_pars_fragment>
+#include <logdepthbuf_pars_fragment>
+#include <clipping_planes_pars_fragment>
+void main() {
+	vec4 diffuseColor = vec4( diffuse, opacity );
+	#include <clipping_planes_fragment>
+	ReflectedLight reflectedLight = ReflectedLight( vec3( 0.0 ), vec3( 0.0 ), vec3( 0.0 ), vec3( 0.0 ) );
+	vec3 totalEmissiveRadiance = emissive;
+	#include <logdepthbuf_fragment>
+	#include <map_fragment>
+	#include <color_fragment>
+	#include <alphamap_fragment>
+	#include <alphatest_fragment>
+	#include <alphahash_fragment>
+	#include <roughnessmap_fragment>
+	#include <metalnessmap_fragment>
+	#include <normal_fragment_begin>
+	#include <normal_fragment_maps>
+	#include <clearcoat_normal_fragment_begin>
+	#include <clearcoat_normal_fragment_maps>
+	#include <emissivemap_fragment>
+	#include <lights_physical_fragment>
+	#include <lights_fragment_begin>
+	#include <lights_fragment_maps>
+	#include <lights_fragment_end>
+	#include <aomap_fragment>
+	vec3 totalDiffuse = reflectedLight.directDiffuse + reflectedLight.indirectDiffuse;
+	vec3 totalSpecular = reflectedLight.directSpecular + reflectedLight.indirectSpecular;
+	#include <transmission_fragment>
+	vec3 outgoingLight = totalDiffuse + totalSpecular + totalEmissiveRadiance;
+	#ifdef USE_SHEEN
+ 
+		outgoingLight = outgoingLight + sheenSpecularDirect + sheenSpecularIndirect;
+ 
+ 	#endif
+	#ifdef USE_CLEARCOAT
+		float dotNVcc = saturate( dot( geometryClearcoatNormal, geometryViewDir ) );
+		vec3 Fcc = F_Schlick( material.clearcoatF0, material.clearcoatF90, dotNVcc );
+		outgoingLight = outgoingLight * ( 1.0 - material.clearcoat * Fcc ) + ( clearcoatSpecularDirect + clearcoatSpecularIndirect ) * material.clearcoat;
+	#endif
+	#include <opaque_fragment>
+	#include <tonemapping_fragment>
+	#include <colorspace_fragment>
+	#include <fog_fragment>
+	#include <premultiplied_alpha_fragment>
+	#include <dithering_fragment>
+}`,Iw=`#define TOON
+varying vec3 vViewPosition;
+#include <common>
+#include <batching_pars_vertex>
+#include <uv_pars_vertex>
+#include <displacementmap_pars_vertex>
+#include <color_pars_vertex>
+#include <fog_pars_vertex>
+#include <normal_pars_vertex>
+#include <morphtarget_pars_vertex>
+#include <skinning_pars_vertex>
+#include <shadowmap_pars_vertex>
+#include <logdepthbuf_pars_vertex>
+#include <clipping_planes_pars_vertex>
+void main() {
+	#include <uv_vertex>
+	#include <color_vertex>
+	#include <morphinstance_vertex>
+	#include <morphcolor_vertex>
+	#include <batching_vertex>
+	#include <beginnormal_vertex>
+	#include <morphnormal_vertex>
+	#include <skinbase_vertex>
+	#include <skinnormal_vertex>
+	#include <defaultnormal_vertex>
+	#include <normal_vertex>
+	#include <begin_vertex>
+	#include <morphtarget_vertex>
+	#include <skinning_vertex>
+	#include <displacementmap_vertex>
+	#include <project_vertex>
+	#include <logdepthbuf_vertex>
+	#include <clipping_planes_vertex>
+	vViewPosition = - mvPosition.xyz;
+	#include <worldpos_vertex>
+	#include <shadowmap_vertex>
+	#include <fog_vertex>
+}`,Pw=`#define TOON
+uniform vec3 diffuse;
+uniform vec3 emissive;
+uniform float opacity;
+#include <common>
+#include <dithering_pars_fragment>
+#include <color_pars_fragment>
+#include <uv_pars_fragment>
+#include <map_pars_fragment>
+#include <alphamap_pars_fragment>
+#include <alphatest_pars_fragment>
+#include <alphahash_pars_fragment>
+#include <aomap_pars_fragment>
+#include <lightmap_pars_fragment>
+#include <emissivemap_pars_fragment>
+#include <gradientmap_pars_fragment>
+#include <fog_pars_fragment>
+#include <bsdfs>
+#include <lights_pars_begin>
+#include <normal_pars_fragment>
+#include <lights_toon_pars_fragment>
+#include <shadowmap_pars_fragment>
+#include <bumpmap_pars_fragment>
+#include <normalmap_pars_fragment>
+#include <logdepthbuf_pars_fragment>
+#include <clipping_planes_pars_fragment>
+void main() {
+	vec4 diffuseColor = vec4( diffuse, opacity );
+	#include <clipping_planes_fragment>
+	ReflectedLight reflectedLight = ReflectedLight( vec3( 0.0 ), vec3( 0.0 ), vec3( 0.0 ), vec3( 0.0 ) );
+	vec3 totalEmissiveRadiance = emissive;
+	#include <logdepthbuf_fragment>
+	#include <map_fragment>
+	#include <color_fragment>
+	#include <alphamap_fragment>
+	#include <alphatest_fragment>
+	#include <alphahash_fragment>
+	#include <normal_fragment_begin>
+	#include <normal_fragment_maps>
+	#include <emissivemap_fragment>
+	#include <lights_toon_fragment>
+	#include <lights_fragment_begin>
+	#include <lights_fragment_maps>
+	#include <lights_fragment_end>
+	#include <aomap_fragment>
+	vec3 outgoingLight = reflectedLight.directDiffuse + reflectedLight.indirectDiffuse + totalEmissiveRadiance;
+	#include <opaque_fragment>
+	#include <tonemapping_fragment>
+	#include <colorspace_fragment>
+	#include <fog_fragment>
+	#include <premultiplied_alpha_fragment>
+	#include <dithering_fragment>
+}`,Lw=`uniform float size;
+uniform float scale;
+#include <common>
+#include <color_pars_vertex>
+#include <fog_pars_vertex>
+#include <morphtarget_pars_vertex>
+#include <logdepthbuf_pars_vertex>
+#include <clipping_planes_pars_vertex>
+#ifdef USE_POINTS_UV
+	varying vec2 vUv;
+	uniform mat3 uvTransform;
+#endif
+void main() {
+	#ifdef USE_POINTS_UV
+		vUv = ( uvTransform * vec3( uv, 1 ) ).xy;
+	#endif
+	#include <color_vertex>
+	#include <morphinstance_vertex>
+	#include <morphcolor_vertex>
+	#include <begin_vertex>
+	#include <morphtarget_vertex>
+	#include <project_vertex>
+	gl_PointSize = size;
+	#ifdef USE_SIZEATTENUATION
+		bool isPerspective = isPerspectiveMatrix( projectionMatrix );
+		if ( isPerspective ) gl_PointSize *= ( scale / - mvPosition.z );
+	#endif
+	#include <logdepthbuf_vertex>
+	#include <clipping_planes_vertex>
+	#include <worldpos_vertex>
+	#include <fog_vertex>
+}`,Dw=`uniform vec3 diffuse;
+uniform float opacity;
+#include <common>
+#include <color_pars_fragment>
+#include <map_particle_pars_fragment>
+#include <alphatest_pars_fragment>
+#include <alphahash_pars_fragment>
+#include <fog_pars_fragment>
+#include <logdepthbuf_pars_fragment>
+#include <clipping_planes_pars_fragment>
+void main() {
+	vec4 diffuseColor = vec4( diffuse, opacity );
+	#include <clipping_planes_fragment>
+	vec3 outgoingLight = vec3( 0.0 );
+	#include <logdepthbuf_fragment>
+	#include <map_particle_fragment>
+	#include <color_fragment>
+	#include <alphatest_fragment>
+	#include <alphahash_fragment>
+	outgoingLight = diffuseColor.rgb;
+	#include <opaque_fragment>
+	#include <tonemapping_fragment>
+	#include <colorspace_fragment>
+	#include <fog_fragment>
+	#include <premultiplied_alpha_fragment>
+}`,Nw=`#include <common>
+#include <batching_pars_vertex>
+#include <fog_pars_vertex>
+#include <morphtarget_pars_vertex>
+#include <skinning_pars_vertex>
+#include <logdepthbuf_pars_vertex>
+#include <shadowmap_pars_vertex>
+void main() {
+	#include <batching_vertex>
+	#include <beginnormal_vertex>
+	#include <morphinstance_vertex>
+	#include <morphnormal_vertex>
+	#include <skinbase_vertex>
+	#include <skinnormal_vertex>
+	#include <defaultnormal_vertex>
+	#include <begin_vertex>
+	#include <morphtarget_vertex>
+	#include <skinning_vertex>
+	#include <project_vertex>
+	#include <logdepthbuf_vertex>
+	#include <worldpos_vertex>
+	#include <shadowmap_vertex>
+	#include <fog_vertex>
+}`,Uw=`uniform vec3 color;
+uniform float opacity;
+#include <common>
+#include <fog_pars_fragment>
+#include <bsdfs>
+#include <lights_pars_begin>
+#include <logdepthbuf_pars_fragment>
+#include <shadowmap_pars_fragment>
+#include <shadowmask_pars_fragment>
+void main() {
+	#include <logdepthbuf_fragment>
+	gl_FragColor = vec4( color, opacity * ( 1.0 - getShadowMask() ) );
+	#include <tonemapping_fragment>
+	#include <colorspace_fragment>
+	#include <fog_fragment>
+	#include <premultiplied_alpha_fragment>
+}`,Fw=`uniform float rotation;
+uniform vec2 center;
+#include <common>
+#include <uv_pars_vertex>
+#include <fog_pars_vertex>
+#include <logdepthbuf_pars_vertex>
+#include <clipping_planes_pars_vertex>
+void main() {
+	#include <uv_vertex>
+	vec4 mvPosition = modelViewMatrix[ 3 ];
+	vec2 scale = vec2( length( modelMatrix[ 0 ].xyz ), length( modelMatrix[ 1 ].xyz ) );
+	#ifndef USE_SIZEATTENUATION
+		bool isPerspective = isPerspectiveMatrix( projectionMatrix );
+		if ( isPerspective ) scale *= - mvPosition.z;
+	#endif
+	vec2 alignedPosition = ( position.xy - ( center - vec2( 0.5 ) ) ) * scale;
+	vec2 rotatedPosition;
+	rotatedPosition.x = cos( rotation ) * alignedPosition.x - sin( rotation ) * alignedPosition.y;
+	rotatedPosition.y = sin( rotation ) * alignedPosition.x + cos( rotation ) * alignedPosition.y;
+	mvPosition.xy += rotatedPosition;
+	gl_Position = projectionMatrix * mvPosition;
+	#include <logdepthbuf_vertex>
+	#include <clipping_planes_vertex>
+	#include <fog_vertex>
+}`,Ow=`uniform vec3 diffuse;
+uniform float opacity;
+#include <common>
+#include <uv_pars_fragment>
+#include <map_pars_fragment>
+#include <alphamap_pars_fragment>
+#include <alphatest_pars_fragment>
+#include <alphahash_pars_fragment>
+#include <fog_pars_fragment>
+#include <logdepthbuf_pars_fragment>
+#include <clipping_planes_pars_fragment>
+void main() {
+	vec4 diffuseColor = vec4( diffuse, opacity );
+	#include <clipping_planes_fragment>
+	vec3 outgoingLight = vec3( 0.0 );
+	#include <logdepthbuf_fragment>
+	#include <map_fragment>
+	#include <alphamap_fragment>
+	#include <alphatest_fragment>
+	#include <alphahash_fragment>
+	outgoingLight = diffuseColor.rgb;
+	#include <opaque_fragment>
+	#include <tonemapping_fragment>
+	#include <colorspace_fragment>
+	#include <fog_fragment>
+}`,ht={alphahash_fragment:rM,alphahash_pars_fragment:oM,alphamap_fragment:aM,alphamap_pars_fragment:lM,alphatest_fragment:cM,alphatest_pars_fragment:hM,aomap_fragment:uM,aomap_pars_fragment:fM,batching_pars_vertex:dM,batching_vertex:pM,begin_vertex:mM,beginnormal_vertex:gM,bsdfs:_M,iridescence_fragment:yM,bumpmap_pars_fragment:xM,clipping_planes_fragment:vM,clipping_planes_pars_fragment:bM,clipping_planes_pars_vertex:MM,clipping_planes_vertex:SM,color_fragment:wM,color_pars_fragment:AM,color_pars_vertex:EM,color_vertex:TM,common:CM,defaultnormal_vertex:RM,displacementmap_pars_vertex:IM,displacementmap_vertex:PM,emissivemap_fragment:LM,emissivemap_pars_fragment:DM,colorspace_fragment:NM,colorspace_pars_fragment:UM,envmap_fragment:FM,envmap_common_pars_fragment:OM,envmap_pars_fragment:BM,envmap_pars_vertex:kM,envmap_physical_pars_fragment:KM,envmap_vertex:zM,fog_vertex:VM,fog_pars_vertex:HM,fog_fragment:GM,fog_pars_fragment:WM,gradientmap_pars_fragment:XM,lightmap_pars_fragment:$M,lights_lambert_fragment:qM,lights_lambert_pars_fragment:YM,lights_pars_begin:ZM,lights_toon_fragment:JM,lights_toon_pars_fragment:jM,lights_phong_fragment:QM,lights_phong_pars_fragment:eS,lights_physical_fragment:tS,lights_physical_pars_fragment:nS,lights_fragment_begin:iS,lights_fragment_maps:sS,lights_fragment_end:rS,lightprobes_pars_fragment:oS,logdepthbuf_fragment:aS,logdepthbuf_pars_fragment:lS,logdepthbuf_pars_vertex:cS,logdepthbuf_vertex:hS,map_fragment:uS,map_pars_fragment:fS,map_particle_fragment:dS,map_particle_pars_fragment:pS,metalnessmap_fragment:mS,metalnessmap_pars_fragment:gS,morphinstance_vertex:_S,morphcolor_vertex:yS,morphnormal_vertex:xS,morphtarget_pars_vertex:vS,morphtarget_vertex:bS,normal_fragment_begin:MS,normal_fragment_maps:SS,normal_pars_fragment:wS,normal_pars_vertex:AS,normal_vertex:ES,normalmap_pars_fragment:TS,clearcoat_normal_fragment_begin:CS,clearcoat_normal_fragment_maps:RS,clearcoat_pars_fragment:IS,iridescence_pars_fragment:PS,opaque_fragment:LS,packing:DS,premultiplied_alpha_fragment:NS,project_vertex:US,dithering_fragment:FS,dithering_pars_fragment:OS,roughnessmap_fragment:BS,roughnessmap_pars_fragment:kS,shadowmap_pars_fragment:zS,shadowmap_pars_vertex:VS,shadowmap_vertex:HS,shadowmask_pars_fragment:GS,skinbase_vertex:WS,skinning_pars_vertex:XS,skinning_vertex:$S,skinnormal_vertex:qS,specularmap_fragment:YS,specularmap_pars_fragment:ZS,tonemapping_fragment:KS,tonemapping_pars_fragment:JS,transmission_fragment:jS,transmission_pars_fragment:QS,uv_pars_fragment:ew,uv_pars_vertex:tw,uv_vertex:nw,worldpos_vertex:iw,background_vert:sw,background_frag:rw,backgroundCube_vert:ow,backgroundCube_frag:aw,cube_vert:lw,cube_frag:cw,depth_vert:hw,depth_frag:uw,distance_vert:fw,distance_frag:dw,equirect_vert:pw,equirect_frag:mw,linedashed_vert:gw,linedashed_frag:_w,meshbasic_vert:yw,meshbasic_frag:xw,meshlambert_vert:vw,meshlambert_frag:bw,meshmatcap_vert:Mw,meshmatcap_frag:Sw,meshnormal_vert:ww,meshnormal_frag:Aw,meshphong_vert:Ew,meshphong_frag:Tw,meshphysical_vert:Cw,meshphysical_frag:Rw,meshtoon_vert:Iw,meshtoon_frag:Pw,points_vert:Lw,points_frag:Dw,shadow_vert:Nw,shadow_frag:Uw,sprite_vert:Fw,sprite_frag:Ow},Le={common:{diffuse:{value:new ut(16777215)},opacity:{value:1},map:{value:null},mapTransform:{value:new nt},alphaMap:{value:null},alphaMapTransform:{value:new nt},alphaTest:{value:0}},specularmap:{specularMap:{value:null},specularMapTransform:{value:new nt}},envmap:{envMap:{value:null},envMapRotation:{value:new nt},reflectivity:{value:1},ior:{value:1.5},refractionRatio:{value:.98},dfgLUT:{value:null}},aomap:{aoMap:{value:null},aoMapIntensity:{value:1},aoMapTransform:{value:new nt}},lightmap:{lightMap:{value:null},lightMapIntensity:{value:1},lightMapTransform:{value:new nt}},bumpmap:{bumpMap:{value:null},bumpMapTransform:{value:new nt},bumpScale:{value:1}},normalmap:{normalMap:{value:null},normalMapTransform:{value:new nt},normalScale:{value:new qe(1,1)}},displacementmap:{displacementMap:{value:null},displacementMapTransform:{value:new nt},displacementScale:{value:1},displacementBias:{value:0}},emissivemap:{emissiveMap:{value:null},emissiveMapTransform:{value:new nt}},metalnessmap:{metalnessMap:{value:null},metalnessMapTransform:{value:new nt}},roughnessmap:{roughnessMap:{value:null},roughnessMapTransform:{value:new nt}},gradientmap:{gradientMap:{value:null}},fog:{fogDensity:{value:25e-5},fogNear:{value:1},fogFar:{value:2e3},fogColor:{value:new ut(16777215)}},lights:{ambientLightColor:{value:[]},lightProbe:{value:[]},sunLights:{value:[],properties:{direction:{},color:{}}},sunLightShadows:{value:[],properties:{shadowIntensity:1,shadowBias:{},shadowNormalBias:{},shadowRadius:{},shadowMapSize:{}}},sunShadowMatrix:{value:[]},sunShadowCascade:{value:[]},directionalLights:{value:[],properties:{direction:{},color:{}}},directionalLightShadows:{value:[],properties:{shadowIntensity:1,shadowBias:{},shadowNormalBias:{},shadowRadius:{},shadowMapSize:{}}},directionalShadowMatrix:{value:[]},spotLights:{value:[],properties:{color:{},position:{},direction:{},distance:{},coneCos:{},penumbraCos:{},decay:{}}},spotLightShadows:{value:[],properties:{shadowIntensity:1,shadowBias:{},shadowNormalBias:{},shadowRadius:{},shadowMapSize:{}}},spotLightMap:{value:[]},spotLightMatrix:{value:[]},pointLights:{value:[],properties:{color:{},position:{},decay:{},distance:{}}},pointLightShadows:{value:[],properties:{shadowIntensity:1,shadowBias:{},shadowNormalBias:{},shadowRadius:{},shadowMapSize:{},shadowCameraNear:{},shadowCameraFar:{}}},pointShadowMatrix:{value:[]},hemisphereLights:{value:[],properties:{direction:{},skyColor:{},groundColor:{}}},rectAreaLights:{value:[],properties:{color:{},position:{},width:{},height:{}}},ltc_1:{value:null},ltc_2:{value:null},probesSH:{value:[]},probesMin:{value:[]},probesMax:{value:[]},probesResolution:{value:[]}},points:{diffuse:{value:new ut(16777215)},opacity:{value:1},size:{value:1},scale:{value:1},map:{value:null},alphaMap:{value:null},alphaMapTransform:{value:new nt},alphaTest:{value:0},uvTransform:{value:new nt}},sprite:{diffuse:{value:new ut(16777215)},opacity:{value:1},center:{value:new qe(.5,.5)},rotation:{value:0},map:{value:null},mapTransform:{value:new nt},alphaMap:{value:null},alphaMapTransform:{value:new nt},alphaTest:{value:0}}},_s={basic:{uniforms:Kn([Le.common,Le.specularmap,Le.envmap,Le.aomap,Le.lightmap,Le.fog]),vertexShader:ht.meshbasic_vert,fragmentShader:ht.meshbasic_frag},lambert:{uniforms:Kn([Le.common,Le.specularmap,Le.envmap,Le.aomap,Le.lightmap,Le.emissivemap,Le.bumpmap,Le.normalmap,Le.displacementmap,Le.fog,Le.lights,{emissive:{value:new ut(0)},envMapIntensity:{value:1}}]),vertexShader:ht.meshlambert_vert,fragmentShader:ht.meshlambert_frag},phong:{uniforms:Kn([Le.common,Le.specularmap,Le.envmap,Le.aomap,Le.lightmap,Le.emissivemap,Le.bumpmap,Le.normalmap,Le.displacementmap,Le.fog,Le.lights,{emissive:{value:new ut(0)},specular:{value:new ut(1118481)},shininess:{value:30},envMapIntensity:{value:1}}]),vertexShader:ht.meshphong_vert,fragmentShader:ht.meshphong_frag},standard:{uniforms:Kn([Le.common,Le.envmap,Le.aomap,Le.lightmap,Le.emissivemap,Le.bumpmap,Le.normalmap,Le.displacementmap,Le.roughnessmap,Le.metalnessmap,Le.fog,Le.lights,{emissive:{value:new ut(0)},roughness:{value:1},metalness:{value:0},envMapIntensity:{value:1}}]),vertexShader:ht.meshphysical_vert,fragmentShader:ht.meshphysical_frag},toon:{uniforms:Kn([Le.common,Le.aomap,Le.lightmap,Le.emissivemap,Le.bumpmap,Le.normalmap,Le.displacementmap,Le.gradientmap,Le.fog,Le.lights,{emissive:{value:new ut(0)}}]),vertexShader:ht.meshtoon_vert,fragmentShader:ht.meshtoon_frag},matcap:{uniforms:Kn([Le.common,Le.bumpmap,Le.normalmap,Le.displacementmap,Le.fog,{matcap:{value:null}}]),vertexShader:ht.meshmatcap_vert,fragmentShader:ht.meshmatcap_frag},points:{uniforms:Kn([Le.points,Le.fog]),vertexShader:ht.points_vert,fragmentShader:ht.points_frag},dashed:{uniforms:Kn([Le.common,Le.fog,{scale:{value:1},dashSize:{value:1},totalSize:{value:2}}]),vertexShader:ht.linedashed_vert,fragmentShader:ht.linedashed_frag},depth:{uniforms:Kn([Le.common,Le.displacementmap]),vertexShader:ht.depth_vert,fragmentShader:ht.depth_frag},normal:{uniforms:Kn([Le.common,Le.bumpmap,Le.normalmap,Le.displacementmap,{opacity:{value:1}}]),vertexShader:ht.meshnormal_vert,fragmentShader:ht.meshnormal_frag},sprite:{uniforms:Kn([Le.sprite,Le.fog]),vertexShader:ht.sprite_vert,fragmentShader:ht.sprite_frag},background:{uniforms:{uvTransform:{value:new nt},t2D:{value:null},backgroundIntensity:{value:1}},vertexShader:ht.background_vert,fragmentShader:ht.background_frag},backgroundCube:{uniforms:{envMap:{value:null},backgroundBlurriness:{value:0},backgroundIntensity:{value:1},backgroundRotation:{value:new nt}},vertexShader:ht.backgroundCube_vert,fragmentShader:ht.backgroundCube_frag},cube:{uniforms:{tCube:{value:null},tFlip:{value:-1},opacity:{value:1}},vertexShader:ht.cube_vert,fragmentShader:ht.cube_frag},equirect:{uniforms:{tEquirect:{value:null}},vertexShader:ht.equirect_vert,fragmentShader:ht.equirect_frag},distance:{uniforms:Kn([Le.common,Le.displacementmap,{referencePosition:{value:new F},nearDistance:{value:1},farDistance:{value:1e3}}]),vertexShader:ht.distance_vert,fragmentShader:ht.distance_frag},shadow:{uniforms:Kn([Le.lights,Le.fog,{color:{value:new ut(0)},opacity:{value:1}}]),vertexShader:ht.shadow_vert,fragmentShader:ht.shadow_frag}};_s.physical={uniforms:Kn([_s.standard.uniforms,{clearcoat:{value:0},clearcoatMap:{value:null},clearcoatMapTransform:{value:new nt},clearcoatNormalMap:{value:null},clearcoatNormalMapTransform:{value:new nt},clearcoatNormalScale:{value:new qe(1,1)},clearcoatRoughness:{value:0},clearcoatRoughnessMap:{value:null},clearcoatRoughnessMapTransform:{value:new nt},diffuseRoughness:{value:0},diffuseRoughnessMap:{value:null},diffuseRoughnessMapTransform:{value:new nt},dispersion:{value:0},retroreflectivity:{value:0},iridescence:{value:0},iridescenceMap:{value:null},iridescenceMapTransform:{value:new nt},iridescenceIOR:{value:1.3},iridescenceThicknessMinimum:{value:100},iridescenceThicknessMaximum:{value:400},iridescenceThicknessMap:{value:null},iridescenceThicknessMapTransform:{value:new nt},sheen:{value:0},sheenColor:{value:new ut(0)},sheenColorMap:{value:null},sheenColorMapTransform:{value:new nt},sheenRoughness:{value:1},sheenRoughnessMap:{value:null},sheenRoughnessMapTransform:{value:new nt},transmission:{value:0},transmissionMap:{value:null},transmissionMapTransform:{value:new nt},transmissionSamplerSize:{value:new qe},transmissionSamplerMap:{value:null},thickness:{value:0},thicknessMap:{value:null},thicknessMapTransform:{value:new nt},attenuationDistance:{value:0},attenuationColor:{value:new ut(0)},specularColor:{value:new ut(1,1,1)},specularColorMap:{value:null},specularColorMapTransform:{value:new nt},specularIntensity:{value:1},specularIntensityMap:{value:null},specularIntensityMapTransform:{value:new nt},anisotropyVector:{value:new qe},anisotropyMap:{value:null},anisotropyMapTransform:{value:new nt}}]),vertexShader:ht.meshphysical_vert,fragmentShader:ht.meshphysical_frag};var Bh={r:0,b:0,g:0},Bw=new Xt,Y0=new nt;Y0.set(-1,0,0,0,1,0,0,0,1);function kw(i,e,t,n,s,r){let o=new ut(0),a=s===!0?0:1,l,c,h=null,u=0,f=null;function p(_){let w=_.isScene===!0?_.background:null;if(w&&w.isTexture){let b=_.backgroundBlurriness>0;w=e.get(w,b)}return w}function g(_){let w=!1,b=p(_);b===null?m(o,a):b&&b.isColor&&(m(b,1),w=!0);let E=i.xr.getEnvironmentBlendMode();E==="additive"?t.buffers.color.setClear(0,0,0,1,r):E==="alpha-blend"&&t.buffers.color.setClear(0,0,0,0,r),(i.autoClear||w)&&(t.buffers.depth.setTest(!0),t.buffers.depth.setMask(!0),t.buffers.color.setMask(!0),i.clear(i.autoClearColor,i.autoClearDepth,i.autoClearStencil))}function x(_,w){let b=p(w);b&&b.isCubeTexture?(c===void 0&&(c=new Mt(new nr(1,1,1),new ps({name:"BackgroundCubeMaterial",uniforms:Or(_s.backgroundCube.uniforms),vertexShader:_s.backgroundCube.vertexShader,fragmentShader:_s.backgroundCube.fragmentShader,side:ai,depthTest:!1,depthWrite:!1,fog:!1,allowOverride:!1})),c.geometry.deleteAttribute("normal"),c.geometry.deleteAttribute("uv"),c.onBeforeRender=function(E,S,y){this.matrixWorld.copyPosition(y.matrixWorld)},Object.defineProperty(c.material,"envMap",{get:function(){return this.uniforms.envMap.value}}),n.update(c)),c.material.uniforms.envMap.value=b,c.material.uniforms.backgroundBlurriness.value=w.backgroundBlurriness,c.material.uniforms.backgroundIntensity.value=w.backgroundIntensity,c.material.uniforms.backgroundRotation.value.setFromMatrix4(Bw.makeRotationFromEuler(w.backgroundRotation)).transpose(),b.isRenderTargetTexture===!1&&c.material.uniforms.backgroundRotation.value.premultiply(Y0),c.material.toneMapped=vt.getTransfer(b.colorSpace)!==Nt,(h!==b||u!==b.version||f!==i.toneMapping)&&(c.material.needsUpdate=!0,h=b,u=b.version,f=i.toneMapping),c.layers.enableAll(),_.unshift(c,c.geometry,c.material,0,0,null)):b&&b.isTexture&&(l===void 0&&(l=new Mt(new za(2,2),new ps({name:"BackgroundMaterial",uniforms:Or(_s.background.uniforms),vertexShader:_s.background.vertexShader,fragmentShader:_s.background.fragmentShader,side:cr,depthTest:!1,depthWrite:!1,fog:!1,allowOverride:!1})),l.geometry.deleteAttribute("normal"),Object.defineProperty(l.material,"map",{get:function(){return this.uniforms.t2D.value}}),n.update(l)),l.material.uniforms.t2D.value=b,l.material.uniforms.backgroundIntensity.value=w.backgroundIntensity,l.material.toneMapped=vt.getTransfer(b.colorSpace)!==Nt,b.matrixAutoUpdate===!0&&b.updateMatrix(),l.material.uniforms.uvTransform.value.copy(b.matrix),(h!==b||u!==b.version||f!==i.toneMapping)&&(l.material.needsUpdate=!0,h=b,u=b.version,f=i.toneMapping),l.layers.enableAll(),_.unshift(l,l.geometry,l.material,0,0,null))}function m(_,w){_.getRGB(Bh,dd(i)),t.buffers.color.setClear(Bh.r,Bh.g,Bh.b,w,r)}function d(){c!==void 0&&(c.geometry.dispose(),c.material.dispose(),c=void 0),l!==void 0&&(l.geometry.dispose(),l.material.dispose(),l=void 0)}return{getClearColor:function(){return o},setClearColor:function(_,w=1){o.set(_),a=w,m(o,a)},getClearAlpha:function(){return a},setClearAlpha:function(_){a=_,m(o,a)},render:g,addToRenderList:x,dispose:d}}function zw(i,e){let t=i.getParameter(i.MAX_VERTEX_ATTRIBS),n={},s=f(null),r=s,o=!1;function a(P,O,V,L,B){let X=!1,G=u(P,L,V,O);r!==G&&(r=G,c(r.object)),X=p(P,L,V,B),X&&g(P,L,V,B),B!==null&&e.update(B,i.ELEMENT_ARRAY_BUFFER),(X||o)&&(o=!1,b(P,O,V,L),B!==null&&i.bindBuffer(i.ELEMENT_ARRAY_BUFFER,e.get(B).buffer))}function l(){return i.createVertexArray()}function c(P){return i.bindVertexArray(P)}function h(P){return i.deleteVertexArray(P)}function u(P,O,V,L){let B=L.wireframe===!0,X=n[O.id];X===void 0&&(X={},n[O.id]=X);let G=P.isInstancedMesh===!0?P.id:0,ae=X[G];ae===void 0&&(ae={},X[G]=ae);let Z=ae[V.id];Z===void 0&&(Z={},ae[V.id]=Z);let j=Z[B];return j===void 0&&(j=f(l()),Z[B]=j),j}function f(P){let O=[],V=[],L=[];for(let B=0;B<t;B++)O[B]=0,V[B]=0,L[B]=0;return{geometry:null,program:null,wireframe:!1,newAttributes:O,enabledAttributes:V,attributeDivisors:L,object:P,attributes:{},index:null}}function p(P,O,V,L){let B=r.attributes,X=O.attributes,G=0,ae=V.getAttributes();for(let Z in ae)if(ae[Z].location>=0){let ne=B[Z],fe=X[Z];if(fe===void 0&&(Z==="instanceMatrix"&&P.instanceMatrix&&(fe=P.instanceMatrix),Z==="instanceColor"&&P.instanceColor&&(fe=P.instanceColor)),ne===void 0||ne.attribute!==fe||fe&&ne.data!==fe.data)return!0;G++}return r.attributesNum!==G||r.index!==L}function g(P,O,V,L){let B={},X=O.attributes,G=0,ae=V.getAttributes();for(let Z in ae)if(ae[Z].location>=0){let ne=X[Z];ne===void 0&&(Z==="instanceMatrix"&&P.instanceMatrix&&(ne=P.instanceMatrix),Z==="instanceColor"&&P.instanceColor&&(ne=P.instanceColor));let fe={};fe.attribute=ne,ne&&ne.data&&(fe.data=ne.data),B[Z]=fe,G++}r.attributes=B,r.attributesNum=G,r.index=L}function x(){let P=r.newAttributes;for(let O=0,V=P.length;O<V;O++)P[O]=0}function m(P){d(P,0)}function d(P,O){let V=r.newAttributes,L=r.enabledAttributes,B=r.attributeDivisors;V[P]=1,L[P]===0&&(i.enableVertexAttribArray(P),L[P]=1),B[P]!==O&&(i.vertexAttribDivisor(P,O),B[P]=O)}function _(){let P=r.newAttributes,O=r.enabledAttributes;for(let V=0,L=O.length;V<L;V++)O[V]!==P[V]&&(i.disableVertexAttribArray(V),O[V]=0)}function w(P,O,V,L,B,X,G){G===!0?i.vertexAttribIPointer(P,O,V,B,X):i.vertexAttribPointer(P,O,V,L,B,X)}function b(P,O,V,L){x();let B=L.attributes,X=V.getAttributes(),G=O.defaultAttributeValues;for(let ae in X){let Z=X[ae];if(Z.location>=0){let j=B[ae];if(j===void 0&&(ae==="instanceMatrix"&&P.instanceMatrix&&(j=P.instanceMatrix),ae==="instanceColor"&&P.instanceColor&&(j=P.instanceColor)),j!==void 0){let ne=j.normalized,fe=j.itemSize,ue=e.get(j);if(ue===void 0)continue;let Q=ue.buffer,me=ue.type,ge=ue.bytesPerElement,ye=me===i.INT||me===i.UNSIGNED_INT||j.gpuType===eh;if(j.isInterleavedBufferAttribute){let _e=j.data,He=_e.isInterleavedBuffer===!0?_e.stride:_e.itemSize,Ke=j.offset;if(_e.isInstancedInterleavedBuffer||_e.isInstancedBufferAttribute){for(let Oe=0;Oe<Z.locationSize;Oe++)d(Z.location+Oe,_e.meshPerAttribute);P.isInstancedMesh!==!0&&L._maxInstanceCount===void 0&&(L._maxInstanceCount=_e.meshPerAttribute*_e.count)}else for(let Oe=0;Oe<Z.locationSize;Oe++)m(Z.location+Oe);i.bindBuffer(i.ARRAY_BUFFER,Q);for(let Oe=0;Oe<Z.locationSize;Oe++)w(Z.location+Oe,fe/Z.locationSize,me,ne,He*ge,(Ke+fe/Z.locationSize*Oe)*ge,ye)}else{if(j.isInstancedBufferAttribute){for(let _e=0;_e<Z.locationSize;_e++)d(Z.location+_e,j.meshPerAttribute);P.isInstancedMesh!==!0&&L._maxInstanceCount===void 0&&(L._maxInstanceCount=j.meshPerAttribute*j.count)}else for(let _e=0;_e<Z.locationSize;_e++)m(Z.location+_e);i.bindBuffer(i.ARRAY_BUFFER,Q);for(let _e=0;_e<Z.locationSize;_e++)w(Z.location+_e,fe/Z.locationSize,me,ne,fe*ge,fe/Z.locationSize*_e*ge,ye)}}else if(G!==void 0){let ne=G[ae];if(ne!==void 0)switch(ne.length){case 2:i.vertexAttrib2fv(Z.location,ne);break;case 3:i.vertexAttrib3fv(Z.location,ne);break;case 4:i.vertexAttrib4fv(Z.location,ne);break;default:i.vertexAttrib1fv(Z.location,ne)}}}}_()}function E(){I();for(let P in n){let O=n[P];for(let V in O){let L=O[V];for(let B in L){let X=L[B];for(let G in X)h(X[G].object),delete X[G];delete L[B]}}delete n[P]}}function S(P){if(n[P.id]===void 0)return;let O=n[P.id];for(let V in O){let L=O[V];for(let B in L){let X=L[B];for(let G in X)h(X[G].object),delete X[G];delete L[B]}}delete n[P.id]}function y(P){for(let O in n){let V=n[O];for(let L in V){let B=V[L];if(B[P.id]===void 0)continue;let X=B[P.id];for(let G in X)h(X[G].object),delete X[G];delete B[P.id]}}}function M(P){for(let O in n){let V=n[O],L=P.isInstancedMesh===!0?P.id:0,B=V[L];if(B!==void 0){for(let X in B){let G=B[X];for(let ae in G)h(G[ae].object),delete G[ae];delete B[X]}delete V[L],Object.keys(V).length===0&&delete n[O]}}}function I(){R(),o=!0,r!==s&&(r=s,c(r.object))}function R(){s.geometry=null,s.program=null,s.wireframe=!1}return{setup:a,reset:I,resetDefaultState:R,dispose:E,releaseStatesOfGeometry:S,releaseStatesOfObject:M,releaseStatesOfProgram:y,initAttributes:x,enableAttribute:m,disableUnusedAttributes:_}}function Vw(i,e,t){let n;function s(l){n=l}function r(l,c){i.drawArrays(n,l,c),t.update(c,n,1)}function o(l,c,h){h!==0&&(i.drawArraysInstanced(n,l,c,h),t.update(c,n,h))}function a(l,c,h){if(h===0)return;e.get("WEBGL_multi_draw").multiDrawArraysWEBGL(n,l,0,c,0,h);let f=0;for(let p=0;p<h;p++)f+=c[p];t.update(f,n,1)}this.setMode=s,this.render=r,this.renderInstances=o,this.renderMultiDraw=a}function Hw(i,e,t,n){let s;function r(){if(s!==void 0)return s;if(e.has("EXT_texture_filter_anisotropic")===!0){let y=e.get("EXT_texture_filter_anisotropic");s=i.getParameter(y.MAX_TEXTURE_MAX_ANISOTROPY_EXT)}else s=0;return s}function o(y){return!(y!==es&&n.convert(y)!==i.getParameter(i.IMPLEMENTATION_COLOR_READ_FORMAT))}function a(y){let M=y===Qi&&(e.has("EXT_color_buffer_half_float")||e.has("EXT_color_buffer_float"));return!(y!==hi&&y!==ji&&!M&&n.convert(y)!==i.getParameter(i.IMPLEMENTATION_COLOR_READ_TYPE))}function l(y){if(y==="highp"){if(i.getShaderPrecisionFormat(i.VERTEX_SHADER,i.HIGH_FLOAT).precision>0&&i.getShaderPrecisionFormat(i.FRAGMENT_SHADER,i.HIGH_FLOAT).precision>0)return"highp";y="mediump"}return y==="mediump"&&i.getShaderPrecisionFormat(i.VERTEX_SHADER,i.MEDIUM_FLOAT).precision>0&&i.getShaderPrecisionFormat(i.FRAGMENT_SHADER,i.MEDIUM_FLOAT).precision>0?"mediump":"lowp"}let c=t.precision!==void 0?t.precision:"highp",h=l(c);h!==c&&(Ye("WebGLRenderer:",c,"not supported, using",h,"instead."),c=h);let u=t.reversedDepthBuffer===!0&&e.has("EXT_clip_control"),f=t.logarithmicDepthBuffer===!0&&u===!1;t.reversedDepthBuffer===!0&&u===!1&&Ye("WebGLRenderer: Unable to use reversed depth buffer due to missing EXT_clip_control extension. Fallback to default depth buffer."),t.logarithmicDepthBuffer===!0&&u===!0&&Ye("WebGLRenderer: Logarithmic depth buffer is ignored when reversed depth buffer is enabled.");let p=i.getParameter(i.MAX_TEXTURE_IMAGE_UNITS),g=i.getParameter(i.MAX_VERTEX_TEXTURE_IMAGE_UNITS),x=i.getParameter(i.MAX_TEXTURE_SIZE),m=i.getParameter(i.MAX_CUBE_MAP_TEXTURE_SIZE),d=i.getParameter(i.MAX_VERTEX_ATTRIBS),_=i.getParameter(i.MAX_VERTEX_UNIFORM_VECTORS),w=i.getParameter(i.MAX_VARYING_VECTORS),b=i.getParameter(i.MAX_FRAGMENT_UNIFORM_VECTORS),E=i.getParameter(i.MAX_SAMPLES),S=i.getParameter(i.SAMPLES);return{isWebGL2:!0,getMaxAnisotropy:r,getMaxPrecision:l,textureFormatReadable:o,textureTypeReadable:a,precision:c,logarithmicDepthBuffer:f,reversedDepthBuffer:u,maxTextures:p,maxVertexTextures:g,maxTextureSize:x,maxCubemapSize:m,maxAttributes:d,maxVertexUniforms:_,maxVaryings:w,maxFragmentUniforms:b,maxSamples:E,samples:S}}function Gw(i){let e=this,t=null,n=0,s=!1,r=!1,o=new Zn,a=new nt,l={value:null,needsUpdate:!1};this.uniform=l,this.numPlanes=0,this.numIntersection=0,this.init=function(u,f){let p=u.length!==0||f||n!==0||s;return s=f,n=u.length,p},this.beginShadows=function(){r=!0,h(null)},this.endShadows=function(){r=!1},this.setGlobalState=function(u,f){t=h(u,f,0)},this.setState=function(u,f,p){let g=u.clippingPlanes,x=u.clipIntersection,m=u.clipShadows,d=i.get(u);if(!s||g===null||g.length===0||r&&!m)r?h(null):c();else{let _=r?0:n,w=_*4,b=d.clippingState||null;l.value=b,b=h(g,f,w,p);for(let E=0;E!==w;++E)b[E]=t[E];d.clippingState=b,this.numIntersection=x?this.numPlanes:0,this.numPlanes+=_}};function c(){l.value!==t&&(l.value=t,l.needsUpdate=n>0),e.numPlanes=n,e.numIntersection=0}function h(u,f,p,g){let x=u!==null?u.length:0,m=null;if(x!==0){if(m=l.value,g!==!0||m===null){let d=p+x*4,_=f.matrixWorldInverse;a.getNormalMatrix(_),(m===null||m.length<d)&&(m=new Float32Array(d));for(let w=0,b=p;w!==x;++w,b+=4)o.copy(u[w]).applyMatrix4(_,a),o.normal.toArray(m,b),m[b+3]=o.constant}l.value=m,l.needsUpdate=!0}return e.numPlanes=x,e.numIntersection=0,m}}var rl=class extends Ai{constructor(e=1,t={}){super(e,e,t),this.isWebGLCubeRenderTarget=!0;let n={width:e,height:e,depth:1},s=[n,n,n,n,n,n];this.texture=new Ua(s),this._setTextureOptions(t),this.texture.isRenderTargetTexture=!0}fromEquirectangularTexture(e,t){this.texture.type=t.type,this.texture.colorSpace=t.colorSpace,this.texture.generateMipmaps=t.generateMipmaps,this.texture.minFilter=t.minFilter,this.texture.magFilter=t.magFilter;let n={uniforms:{tEquirect:{value:null}},vertexShader:`
+
+				varying vec3 vWorldDirection;
+
+				vec3 transformDirection( in vec3 dir, in mat4 matrix ) {
+
+					return normalize( ( matrix * vec4( dir, 0.0 ) ).xyz );
+
+				}
+
+				void main() {
+
+					vWorldDirection = transformDirection( position, modelMatrix );
+
+					#include <begin_vertex>
+					#include <project_vertex>
+
+				}
+			`,fragmentShader:`
+
+				uniform sampler2D tEquirect;
+
+				varying vec3 vWorldDirection;
+
+				#include <common>
+
+				void main() {
+
+					vec3 direction = normalize( vWorldDirection );
+
+					vec2 sampleUV = equirectUv( direction );
+
+					gl_FragColor = texture2D( tEquirect, sampleUV );
+
+				}
+			`},s=new nr(5,5,5),r=new ps({name:"CubemapFromEquirect",uniforms:Or(n.uniforms),vertexShader:n.vertexShader,fragmentShader:n.fragmentShader,side:ai,blending:Dr});r.uniforms.tEquirect.value=t;let o=new Mt(s,r),a=t.minFilter;return t.minFilter===Fs&&(t.minFilter=ri),new Oo(1,10,this).update(e,o),t.minFilter=a,o.geometry.dispose(),o.material.dispose(),this}clear(e,t=!0,n=!0,s=!0){let r=e.getRenderTarget();for(let o=0;o<6;o++)e.setRenderTarget(this,o),e.clear(t,n,s);e.setRenderTarget(r)}},E0=256,Ww=3,Xw=20,Z0=256,K0=16,$w=3,qw=new F,Yw=new ut,zh=class i{constructor(e){this._renderer=e,this._cubeSize=0,this._sourceTarget=null,this._cubeCamera=new Oo(1,10,null),this._boxMesh=new Mt(new nr(5,5,5),null),this._cubemapMaterial=null,this._equirectMaterial=null,this._blurMaterial=null,this._ggxMaterial=null,this._integrationMaterial=null}fromScene(e,t=0,n=.1,s=100,r={}){let{size:o=256,position:a=qw}=r,l=this._renderer;this._setSize(o);let c=this._allocateTarget(),h=this._getSourceTarget(!0);t>0&&(h.texture.mipmapsAutoUpdate=!1);let u=l.autoClear,f=l.autoClearColor,p=l.autoClearDepth,g=l.autoClearStencil,x=e.background;l.autoClear=!0,l.autoClearColor=!0,l.autoClearDepth=!0,l.autoClearStencil=!0,x===null&&(e.background=l.getClearColor(Yw));let m=new Oo(n,s,h);return m.position.copy(a),m.update(l,e),l.autoClear=u,l.autoClearColor=f,l.autoClearDepth=p,l.autoClearStencil=g,e.background=x,t>0&&(h.texture.mipmapsAutoUpdate=!0,this._blur(c,t)),this._applyPMREM(c),c}fromEquirectangular(e,t=null){return this._fromTexture(e,t)}fromCubemap(e,t=null){return this._fromTexture(e,t)}compileCubemapShader(){this._cubemapMaterial===null&&(this._cubemapMaterial=R0(),this._compileMaterial(this._cubemapMaterial))}compileEquirectangularShader(){this._equirectMaterial===null&&(this._equirectMaterial=C0(),this._compileMaterial(this._equirectMaterial))}dispose(){this._sourceTarget!==null&&this._sourceTarget.dispose(),this._cubemapMaterial!==null&&this._cubemapMaterial.dispose(),this._equirectMaterial!==null&&this._equirectMaterial.dispose(),this._blurMaterial!==null&&this._blurMaterial.dispose(),this._ggxMaterial!==null&&this._ggxMaterial.dispose(),this._integrationMaterial!==null&&this._integrationMaterial.dispose(),this._boxMesh.geometry.dispose()}static lodToRoughness(e,t){return t>0?1-Math.sqrt(1-e/t):0}_setSize(e){this._cubeSize=Math.max(E0,hd(e))}_fromTexture(e,t){e.mapping===Ur||e.mapping===Ho?this._setSize(e.image.length===0?E0:e.image[0].width||e.image[0].image.width):this._setSize(e.image.width/4);let n=t||this._allocateTarget();return this._textureToCubemap(e),this._applyPMREM(n),n}_allocateTarget(){let e=this._cubeSize,t=T0(e,!1,!1),n=Math.log2(e)-Ww;for(let s=0;s<=n;s++)t.texture.mipmaps.push({width:e>>s,height:e>>s});return t.texture.name="PMREM",t.texture.isPMREMTexture=!0,t}_getSourceTarget(e=!1){let t=this._cubeSize,n=this._sourceTarget;return(n===null||n.width!==t||e&&n.depthBuffer===!1)&&(n!==null&&n.dispose(),this._sourceTarget=T0(t,!0,e)),this._sourceTarget}_compileMaterial(e){this._boxMesh.material=e,this._renderer.compile(this._boxMesh,this._cubeCamera.children[0])}_renderCube(e,t,n){let s=this._boxMesh,r=this._cubeCamera;s.material=n,r.renderTarget=e,r.activeMipmapLevel=t;let o=e.width>>t;e.viewport.set(0,0,o,o),r.update(this._renderer,s),e.viewport.set(0,0,e.width,e.height)}_textureToCubemap(e){let t;e.mapping===Ur||e.mapping===Ho?(this._cubemapMaterial===null&&(this._cubemapMaterial=R0()),t=this._cubemapMaterial,t.uniforms.flipEnvMap.value=e.isRenderTargetTexture===!1?-1:1):(this._equirectMaterial===null&&(this._equirectMaterial=C0()),t=this._equirectMaterial),t.uniforms.envMap.value=e,this._renderCube(this._getSourceTarget(),0,t)}_applyPMREM(e){this._ggxMaterial===null&&(this._ggxMaterial=Zw(),this._integrationMaterial=Kw());let t=this._cubeSize,n=e.texture.mipmaps.length-1,s=this._ggxMaterial.uniforms;s.envMap.value=this._sourceTarget.texture;let r=this._integrationMaterial.uniforms;r.envMap.value=this._sourceTarget.texture,r.sourceLod.value=Math.log2(t/K0);for(let o=0;o<=n;o++){let a=i.lodToRoughness(o,n);if(o>n-$w)r.roughness.value=a,this._renderCube(e,o,this._integrationMaterial);else{let l=a>0?Math.log2(t)+.5*Math.log2(6/(Z0*Math.pow(a,4)))+.5:0;s.roughness.value=a,s.lodBias.value=l,this._renderCube(e,o,this._ggxMaterial)}}}_blur(e,t){this._blurMaterial===null&&(this._blurMaterial=Jw());let n=this._blurMaterial,s=n.uniforms,r=this._sourceTarget;s.sigma.value=Math.min(t,Math.PI)/Math.SQRT2,s.envMap.value=r.texture,this._renderCube(e,0,n),s.envMap.value=e.texture,this._renderCube(r,0,n)}};function T0(i,e,t){return new rl(i,{minFilter:Fs,generateMipmaps:e,type:Qi,colorSpace:Ta,depthBuffer:t})}function ol(i,e,t){return new ps({name:i,uniforms:e,vertexShader:ht.cube_vert,fragmentShader:t,side:ai,blending:Dr,depthTest:!1,depthWrite:!1})}function Zw(){return ol("PMREMGGXConvolution",{envMap:{value:null},roughness:{value:0},lodBias:{value:0}},`
+
+		#define GGX_SAMPLES ${Z0}u
+
+		varying vec3 vWorldDirection;
+
+		uniform samplerCube envMap;
+		uniform float roughness;
+		uniform float lodBias;
+
+		#include <common>
+
+		// Van der Corput radical inverse
+		float radicalInverse_VdC( uint bits ) {
+
+			bits = ( bits << 16u ) | ( bits >> 16u );
+			bits = ( ( bits & 0x55555555u ) << 1u ) | ( ( bits & 0xAAAAAAAAu ) >> 1u );
+			bits = ( ( bits & 0x33333333u ) << 2u ) | ( ( bits & 0xCCCCCCCCu ) >> 2u );
+			bits = ( ( bits & 0x0F0F0F0Fu ) << 4u ) | ( ( bits & 0xF0F0F0F0u ) >> 4u );
+			bits = ( ( bits & 0x00FF00FFu ) << 8u ) | ( ( bits & 0xFF00FF00u ) >> 8u );
+			return float( bits ) * 2.3283064365386963e-10; // / 0x100000000
+
+		}
+
+		// Hammersley sequence
+		vec2 hammersley( uint i, uint N ) {
+
+			return vec2( float( i ) / float( N ), radicalInverse_VdC( i ) );
+
+		}
+
+		void main() {
+
+			vec3 N = normalize( vWorldDirection );
+
+			// For very low roughness, just sample the environment directly
+			if ( roughness < 0.001 ) {
+
+				gl_FragColor = vec4( textureLod( envMap, N, 0.0 ).rgb, 1.0 );
+				return;
+
+			}
+
+			float alpha = roughness * roughness;
+			float alpha2 = alpha * alpha;
+
+			// Tangent space basis for VNDF sampling
+			vec3 up = abs( N.z ) < 0.999 ? vec3( 0.0, 0.0, 1.0 ) : vec3( 1.0, 0.0, 0.0 );
+			vec3 tangent = normalize( cross( up, N ) );
+			vec3 bitangent = cross( N, tangent );
+
+			vec3 prefilteredColor = vec3( 0.0 );
+			float totalWeight = 0.0;
+
+			for ( uint i = 0u; i < GGX_SAMPLES; i ++ ) {
+
+				vec2 Xi = hammersley( i, GGX_SAMPLES );
+
+				// With V = N, sample the reflected direction directly.
+				float invQ = 1.0 / ( 1.0 - Xi.x + alpha2 * Xi.x );
+				float NdotL = ( 1.0 - Xi.x - alpha2 * Xi.x ) * invQ;
+
+				if ( NdotL > 0.0 ) {
+
+					float phi = 2.0 * PI * Xi.y;
+					float sinTheta = 2.0 * alpha * sqrt( Xi.x * ( 1.0 - Xi.x ) ) * invQ;
+					vec3 L = N * NdotL + ( tangent * cos( phi ) + bitangent * sin( phi ) ) * sinTheta;
+
+					// Match the source mip to the sample's solid angle. The terms
+					// independent of the sample are precomputed in lodBias.
+					float d = alpha2 * invQ;
+					float lod = max( log2( d ) + lodBias, 0.0 );
+
+					// Weight by NdotL for the split-sum approximation
+					prefilteredColor += textureLod( envMap, L, lod ).rgb * NdotL;
+					totalWeight += NdotL;
+
+				}
+
+			}
+
+			gl_FragColor = vec4( prefilteredColor / totalWeight, 1.0 );
+
+		}
+	`)}function Kw(){return ol("PMREMGGXIntegration",{envMap:{value:null},roughness:{value:0},sourceLod:{value:0},sourceSize:{value:K0}},`
+
+		varying vec3 vWorldDirection;
+
+		uniform samplerCube envMap;
+		uniform float roughness;
+		uniform float sourceLod;
+		uniform int sourceSize;
+
+		void main() {
+
+			vec3 N = normalize( vWorldDirection );
+
+			float alpha = roughness * roughness;
+			float alpha2 = alpha * alpha;
+
+			float texelSize = 2.0 / float( sourceSize );
+
+			vec3 prefilteredColor = vec3( 0.0 );
+			float totalWeight = 0.0;
+
+			// Pair opposite texels: only the one in N's hemisphere contributes.
+			for ( int face = 0; face < 3; face ++ ) {
+
+				for ( int y = 0; y < sourceSize; y ++ ) {
+
+					for ( int x = 0; x < sourceSize; x ++ ) {
+
+						vec2 uv = ( vec2( x, y ) + 0.5 ) * texelSize - 1.0;
+						vec3 texelDirection = face == 0 ? vec3( 1.0, uv ) : ( face == 1 ? vec3( uv.x, 1.0, uv.y ) : vec3( uv, 1.0 ) );
+
+						float invDistance = inversesqrt( 1.0 + dot( uv, uv ) );
+						float NdotL = dot( N, texelDirection );
+						texelDirection *= NdotL < 0.0 ? - 1.0 : 1.0;
+						NdotL = abs( NdotL ) * invDistance;
+
+						// With V = N, NdotH squared is ( 1 + NdotL ) / 2. Common factors
+						// in the GGX distribution and texel solid angle cancel when normalized.
+						float d = 1.0 + alpha2 + ( alpha2 - 1.0 ) * NdotL;
+						float weight = NdotL * invDistance * invDistance * invDistance / ( d * d );
+
+						prefilteredColor += textureLod( envMap, texelDirection, sourceLod ).rgb * weight;
+						totalWeight += weight;
+
+					}
+
+				}
+
+			}
+
+			gl_FragColor = vec4( prefilteredColor / totalWeight, 1.0 );
+
+		}
+	`)}function Jw(){return ol("PMREMSphericalGaussianBlur",{envMap:{value:null},sigma:{value:0}},`
+
+		#define SAMPLES ${Xw}
+		#define GOLDEN_ANGLE 2.39996322973
+
+		varying vec3 vWorldDirection;
+
+		uniform samplerCube envMap;
+		uniform float sigma;
+
+		#include <common>
+
+		void main() {
+
+			vec3 outputDirection = normalize( vWorldDirection );
+
+			vec3 up = abs( outputDirection.z ) < 0.999 ? vec3( 0.0, 0.0, 1.0 ) : vec3( 1.0, 0.0, 0.0 );
+			vec3 tangent = normalize( cross( up, outputDirection ) );
+			vec3 bitangent = cross( outputDirection, tangent );
+
+			// Truncate the kernel at three standard deviations or at the antipode.
+			float thetaMax = min( 3.0 * sigma, PI );
+			float truncation = 1.0 - exp( - 0.5 * thetaMax * thetaMax / ( sigma * sigma ) );
+
+			vec3 accumColor = vec3( 0.0 );
+			float accumWeight = 0.0;
+
+			for ( int i = 0; i < SAMPLES; i ++ ) {
+
+				// Stratified inverse-CDF sampling of the Gaussian, placed on a golden-angle spiral.
+				float stratum = ( float( i ) + 0.5 ) / float( SAMPLES );
+				float theta = sigma * sqrt( - 2.0 * log( 1.0 - stratum * truncation ) );
+				float phi = float( i ) * GOLDEN_ANGLE;
+
+				vec3 offset = cos( phi ) * tangent + sin( phi ) * bitangent;
+				vec3 sampleDirection = cos( theta ) * outputDirection + sin( theta ) * offset;
+
+				// Correct the planar sample density to solid angle.
+				float weight = sin( theta ) / theta;
+
+				accumColor += weight * textureLod( envMap, sampleDirection, 0.0 ).rgb;
+				accumWeight += weight;
+
+			}
+
+			gl_FragColor = vec4( accumColor / accumWeight, 1.0 );
+
+		}
+	`)}function C0(){return ol("PMREMEquirectangularToCubemap",{envMap:{value:null}},`
+
+		varying vec3 vWorldDirection;
+
+		uniform sampler2D envMap;
+
+		#include <common>
+
+		void main() {
+
+			// Average four subpixel samples to preserve small, bright features.
+			vec3 direction = normalize( vWorldDirection );
+			vec3 dx = dFdx( direction ) * 0.25;
+			vec3 dy = dFdy( direction ) * 0.25;
+
+			vec3 color = textureLod( envMap, equirectUv( normalize( direction - dx - dy ) ), 0.0 ).rgb;
+			color += textureLod( envMap, equirectUv( normalize( direction + dx - dy ) ), 0.0 ).rgb;
+			color += textureLod( envMap, equirectUv( normalize( direction - dx + dy ) ), 0.0 ).rgb;
+			color += textureLod( envMap, equirectUv( normalize( direction + dx + dy ) ), 0.0 ).rgb;
+			gl_FragColor = vec4( color * 0.25, 1.0 );
+
+		}
+	`)}function R0(){return ol("PMREMCubemapToCubemap",{envMap:{value:null},flipEnvMap:{value:-1}},`
+
+		varying vec3 vWorldDirection;
+
+		uniform samplerCube envMap;
+		uniform float flipEnvMap;
+
+		void main() {
+
+			gl_FragColor = vec4( textureCube( envMap, vec3( flipEnvMap * vWorldDirection.x, vWorldDirection.yz ) ).rgb, 1.0 );
+
+		}
+	`)}function jw(i){let e=new WeakMap,t=new WeakMap,n=null;function s(f,p=!1){return f==null?null:p?o(f):r(f)}function r(f){if(f&&f.isTexture){let p=f.mapping;if(p===Jc||p===jc)if(e.has(f)){let g=e.get(f).texture;return a(g,f.mapping)}else{let g=f.image;if(g&&g.height>0){let x=new rl(g.height);return x.fromEquirectangularTexture(i,f),e.set(f,x),f.addEventListener("dispose",c),a(x.texture,f.mapping)}else return null}}return f}function o(f){if(f&&f.isTexture&&f.isPMREMTexture!==!0){let p=f.mapping,g=p===Jc||p===jc,x=p===Ur||p===Ho;if(g||x){let m=t.get(f),d=m!==void 0?m.texture.pmremVersion:0;if(f.isRenderTargetTexture&&f.pmremVersion!==d)return n===null&&(n=new zh(i)),m=g?n.fromEquirectangular(f,m):n.fromCubemap(f,m),m.texture.pmremVersion=f.pmremVersion,t.set(f,m),m.texture;if(m!==void 0)return m.texture;{let _=f.image;return g&&_&&_.height>0||x&&_&&l(_)?(n===null&&(n=new zh(i)),m=g?n.fromEquirectangular(f):n.fromCubemap(f),m.texture.pmremVersion=f.pmremVersion,t.set(f,m),f.addEventListener("dispose",h),m.texture):null}}}return f}function a(f,p){return p===Jc?f.mapping=Ur:p===jc&&(f.mapping=Ho),f}function l(f){let p=0,g=6;for(let x=0;x<g;x++)f[x]!==void 0&&p++;return p===g}function c(f){let p=f.target;p.removeEventListener("dispose",c);let g=e.get(p);g!==void 0&&(e.delete(p),g.dispose())}function h(f){let p=f.target;p.removeEventListener("dispose",h);let g=t.get(p);g!==void 0&&(t.delete(p),g.dispose())}function u(){e=new WeakMap,t=new WeakMap,n!==null&&(n.dispose(),n=null)}return{get:s,dispose:u}}function Qw(i){let e={};function t(n){if(e[n]!==void 0)return e[n];let s=i.getExtension(n);return e[n]=s,s}return{has:function(n){return t(n)!==null},init:function(){t("EXT_color_buffer_float"),t("WEBGL_clip_cull_distance"),t("OES_texture_float_linear"),t("EXT_color_buffer_half_float"),t("WEBGL_multisampled_render_to_texture"),t("WEBGL_render_shared_exponent")},get:function(n){let s=t(n);return s===null&&wa("WebGLRenderer: "+n+" extension not supported."),s}}}function e1(i,e,t,n){let s={},r=new WeakMap,o=new FinalizationRegistry(g=>delete s[g]);function a(g){l(g.target)}function l(g){g.index!==null&&e.remove(g.index);for(let m in g.attributes)e.remove(g.attributes[m]);g.removeEventListener("dispose",a),delete s[g.id],o.unregister(g);let x=r.get(g);x&&(e.remove(x),r.delete(g)),n.releaseStatesOfGeometry(g),g.isInstancedBufferGeometry===!0&&delete g._maxInstanceCount,t.memory.geometries--}function c(g,x){return s[x.id]!==void 0||(x.addEventListener("dispose",a),s[x.id]=new WeakRef(x),o.register(x,x.id,x),t.memory.geometries++),x}function h(g){let x=g.attributes;for(let m in x)e.update(x[m],i.ARRAY_BUFFER)}function u(g){let x=g.index,m=g.attributes.position,d=0;if(m===void 0)return;let _=x!==null?x.array.length:m.array.length/3-1,w=m.count>=65535?Da:La,b=new w(Math.ceil(_/3)*6,1),E=b.array;if(x!==null){let y=x.array;d=x.version;for(let M=0,I=0;M<_;M+=3){let R=y[M+0],P=y[M+1],O=y[M+2];E[I++]=R,E[I++]=P,E[I++]=P,E[I++]=O,E[I++]=O,E[I++]=R}}else{d=m.version;for(let y=0,M=0;y<_;y+=3){let I=y+0,R=y+1,P=y+2;E[M++]=I,E[M++]=R,E[M++]=R,E[M++]=P,E[M++]=P,E[M++]=I}}b.version=d;let S=r.get(g);S&&e.remove(S),r.set(g,b)}function f(g){let x=r.get(g);if(x){let m=g.index;m!==null&&x.version<m.version&&u(g)}else u(g);return r.get(g)}function p(){for(let g in s){let x=s[g].deref();x!==void 0&&l(x)}}return{get:c,update:h,getWireframeAttribute:f,dispose:p}}function t1(i,e,t){let n;function s(u){n=u}let r,o;function a(u){r=u.type,o=u.bytesPerElement}function l(u,f){i.drawElements(n,f,r,u*o),t.update(f,n,1)}function c(u,f,p){p!==0&&(i.drawElementsInstanced(n,f,r,u*o,p),t.update(f,n,p))}function h(u,f,p){if(p===0)return;e.get("WEBGL_multi_draw").multiDrawElementsWEBGL(n,f,0,r,u,0,p);let x=0;for(let m=0;m<p;m++)x+=f[m];t.update(x,n,1)}this.setMode=s,this.setIndex=a,this.render=l,this.renderInstances=c,this.renderMultiDraw=h}function n1(i){let e={geometries:0,textures:0},t={frame:0,calls:0,triangles:0,points:0,lines:0};function n(r,o,a){switch(t.calls++,o){case i.TRIANGLES:t.triangles+=a*(r/3);break;case i.LINES:t.lines+=a*(r/2);break;case i.LINE_STRIP:t.lines+=a*(r-1);break;case i.LINE_LOOP:t.lines+=a*r;break;case i.POINTS:t.points+=a*r;break;default:et("WebGLInfo: Unknown draw mode:",o);break}}function s(){t.calls=0,t.triangles=0,t.points=0,t.lines=0}return{memory:e,render:t,programs:null,autoReset:!0,reset:s,update:n}}function i1(i,e,t){let n=new WeakMap,s=new en;function r(o,a,l){let c=o.morphTargetInfluences,h=a.morphAttributes.position||a.morphAttributes.normal||a.morphAttributes.color,u=h!==void 0?h.length:0,f=n.get(a);if(f===void 0||f.count!==u){let I=function(){y.dispose(),n.delete(a),a.removeEventListener("dispose",I)};f!==void 0&&f.texture.dispose();let p=a.morphAttributes.position!==void 0,g=a.morphAttributes.normal!==void 0,x=a.morphAttributes.color!==void 0,m=a.morphAttributes.position||[],d=a.morphAttributes.normal||[],_=a.morphAttributes.color||[],w=0;p===!0&&(w=1),g===!0&&(w=2),x===!0&&(w=3);let b=a.attributes.position.count*w,E=1;b>e.maxTextureSize&&(E=Math.ceil(b/e.maxTextureSize),b=e.maxTextureSize);let S=new Float32Array(b*E*4*u),y=new Ia(S,b,E,u);y.type=ji,y.needsUpdate=!0;let M=w*4;for(let R=0;R<u;R++){let P=m[R],O=d[R],V=_[R],L=b*E*4*R;for(let B=0;B<P.count;B++){let X=B*M;p===!0&&(s.fromBufferAttribute(P,B),S[L+X+0]=s.x,S[L+X+1]=s.y,S[L+X+2]=s.z,S[L+X+3]=0),g===!0&&(s.fromBufferAttribute(O,B),S[L+X+4]=s.x,S[L+X+5]=s.y,S[L+X+6]=s.z,S[L+X+7]=0),x===!0&&(s.fromBufferAttribute(V,B),S[L+X+8]=s.x,S[L+X+9]=s.y,S[L+X+10]=s.z,S[L+X+11]=V.itemSize===4?s.w:1)}}f={count:u,texture:y,size:new qe(b,E)},n.set(a,f),a.addEventListener("dispose",I)}if(o.isInstancedMesh===!0&&o.morphTexture!==null)l.getUniforms().setValue(i,"morphTexture",o.morphTexture,t);else{let p=0;for(let x=0;x<c.length;x++)p+=c[x];let g=a.morphTargetsRelative?1:1-p;l.getUniforms().setValue(i,"morphTargetBaseInfluence",g),l.getUniforms().setValue(i,"morphTargetInfluences",c)}l.getUniforms().setValue(i,"morphTargetsTexture",f.texture,t),l.getUniforms().setValue(i,"morphTargetsTextureSize",f.size)}return{update:r}}function s1(i,e,t,n,s){let r=new WeakMap;function o(c){let h=s.render.frame,u=c.geometry,f=e.get(c,u);if(r.get(f)!==h&&(e.update(f),r.set(f,h)),c.isInstancedMesh&&(c.hasEventListener("dispose",l)===!1&&c.addEventListener("dispose",l),r.get(c)!==h&&(t.update(c.instanceMatrix,i.ARRAY_BUFFER),c.instanceColor!==null&&t.update(c.instanceColor,i.ARRAY_BUFFER),r.set(c,h))),c.isSkinnedMesh){let p=c.skeleton;r.get(p)!==h&&(p.update(),r.set(p,h))}return f}function a(){r=new WeakMap}function l(c){let h=c.target;h.removeEventListener("dispose",l),n.releaseStatesOfObject(h),t.remove(h.instanceMatrix),h.instanceColor!==null&&t.remove(h.instanceColor)}return{update:o,dispose:a}}var r1={[Gf]:"LINEAR_TONE_MAPPING",[Wf]:"REINHARD_TONE_MAPPING",[Xf]:"CINEON_TONE_MAPPING",[$f]:"ACES_FILMIC_TONE_MAPPING",[Yf]:"AGX_TONE_MAPPING",[Zf]:"NEUTRAL_TONE_MAPPING",[qf]:"CUSTOM_TONE_MAPPING"};function o1(i,e,t,n,s,r){let o=new Ai(e,t,{type:i,depthBuffer:s,stencilBuffer:r,samples:n?4:0,storeMultisampledDepthBuffer:!1,storeMultisampledStencilBuffer:!1,resolveDepthBuffer:!1,resolveStencilBuffer:!1}),a=null,l=null,c=null,h=new gt;h.setAttribute("position",new It([-1,3,0,-1,-1,0,3,-1,0],3)),h.setAttribute("uv",new It([0,2,0,0,2,0],2));let u=new Uc({uniforms:{tDiffuse:{value:null}},vertexShader:`
+			precision highp float;
+
+			uniform mat4 modelViewMatrix;
+			uniform mat4 projectionMatrix;
+
+			attribute vec3 position;
+			attribute vec2 uv;
+
+			varying vec2 vUv;
+
+			void main() {
+				vUv = uv;
+				gl_Position = projectionMatrix * modelViewMatrix * vec4( position, 1.0 );
+			}`,fragmentShader:`
+			precision highp float;
+
+			uniform sampler2D tDiffuse;
+
+			varying vec2 vUv;
+
+			#include <tonemapping_pars_fragment>
+			#include <colorspace_pars_fragment>
+
+			void main() {
+				gl_FragColor = texture2D( tDiffuse, vUv );
+
+				#ifdef LINEAR_TONE_MAPPING
+					gl_FragColor.rgb = LinearToneMapping( gl_FragColor.rgb );
+				#elif defined( REINHARD_TONE_MAPPING )
+					gl_FragColor.rgb = ReinhardToneMapping( gl_FragColor.rgb );
+				#elif defined( CINEON_TONE_MAPPING )
+					gl_FragColor.rgb = CineonToneMapping( gl_FragColor.rgb );
+				#elif defined( ACES_FILMIC_TONE_MAPPING )
+					gl_FragColor.rgb = ACESFilmicToneMapping( gl_FragColor.rgb );
+				#elif defined( AGX_TONE_MAPPING )
+					gl_FragColor.rgb = AgXToneMapping( gl_FragColor.rgb );
+				#elif defined( NEUTRAL_TONE_MAPPING )
+					gl_FragColor.rgb = NeutralToneMapping( gl_FragColor.rgb );
+				#elif defined( CUSTOM_TONE_MAPPING )
+					gl_FragColor.rgb = CustomToneMapping( gl_FragColor.rgb );
+				#endif
+
+				#ifdef SRGB_TRANSFER
+					gl_FragColor = sRGBTransferOETF( gl_FragColor );
+				#endif
+			}`,depthTest:!1,depthWrite:!1}),f=new Mt(h,u),p=new Wa(-1,1,1,-1,0,1),g=null,x=null,m=!1,d,_=null,w=[],b=!1;this.setSize=function(E,S){o.setSize(E,S),a!==null&&a.setSize(E,S),l!==null&&l.setSize(E,S);for(let y=0;y<w.length;y++){let M=w[y];M.setSize&&M.setSize(E,S)}},this.setEffects=function(E){w=E,b=w.length>0&&w[0].isRenderPass===!0;let S=o.width,y=o.height;w.length>0&&a===null&&(a=new Ai(S,y,{type:Qi,depthBuffer:!1,stencilBuffer:!1}),l=new Ai(S,y,{type:Qi,depthBuffer:!1,stencilBuffer:!1}));let M=s===!0&&w.some(I=>I.needsDepthTexture===!0);M!==(o.depthTexture!==null)&&(M===!0&&c===null&&(c=new Us(S,y),r===!0&&(c.format=Os,c.type=Fr)),o.dispose(),o.depthTexture=M?c:null,o.resolveDepthBuffer=M,o.storeMultisampledDepthBuffer=M);for(let I=0;I<w.length;I++){let R=w[I];R.setSize&&R.setSize(S,y),M&&R.needsDepthTexture===!0&&R.setDepthTexture&&R.setDepthTexture(c)}},this.begin=function(E,S){if(m||E.toneMapping===ms&&w.length===0)return!1;if(_=S,S!==null){let y=S.width,M=S.height;(o.width!==y||o.height!==M)&&this.setSize(y,M)}return b===!1&&E.setRenderTarget(o),d=E.toneMapping,E.toneMapping=ms,!0},this.hasRenderPass=function(){return b},this.end=function(E,S){E.toneMapping=d,m=!0;let y=o,M=a;for(let I=0;I<w.length;I++){let R=w[I];R.enabled!==!1&&(R.render(E,M,y,S),R.needsSwap!==!1&&(y=M,M=M===a?l:a))}if(g!==E.outputColorSpace||x!==E.toneMapping){g=E.outputColorSpace,x=E.toneMapping,u.defines={},vt.getTransfer(g)===Nt&&(u.defines.SRGB_TRANSFER="");let I=r1[x];I&&(u.defines[I]=""),u.needsUpdate=!0}u.uniforms.tDiffuse.value=y.texture,E.setRenderTarget(_),E.render(f,p),_=null,m=!1},this.isCompositing=function(){return m},this.dispose=function(){o.dispose(),a!==null&&a.dispose(),l!==null&&l.dispose(),h.dispose(),u.dispose()}}var J0=new li,j0=new Us(1,1),Q0=new Fa(1),e_=new Ia,t_=new Rc,n_=new Ua,I0=[],P0=[],L0=new Float32Array(16),D0=new Float32Array(9),N0=new Float32Array(4);function $o(i,e,t){let n=i[0];if(n<=0||n>0)return i;let s=e*t,r=I0[s];if(r===void 0&&(r=new Float32Array(s),I0[s]=r),e!==0){n.toArray(r,0);for(let o=1,a=0;o!==e;++o)a+=t,i[o].toArray(r,a)}return r}function In(i,e){if(i.length!==e.length)return!1;for(let t=0,n=i.length;t<n;t++)if(i[t]!==e[t])return!1;return!0}function Pn(i,e){for(let t=0,n=e.length;t<n;t++)i[t]=e[t]}function Hh(i,e){let t=P0[e];t===void 0&&(t=new Int32Array(e),P0[e]=t);for(let n=0;n!==e;++n)t[n]=i.allocateTextureUnit();return t}function a1(i,e){let t=this.cache;t[0]!==e&&(i.uniform1f(this.addr,e),t[0]=e)}function l1(i,e){let t=this.cache;if(e.x!==void 0)(t[0]!==e.x||t[1]!==e.y)&&(i.uniform2f(this.addr,e.x,e.y),t[0]=e.x,t[1]=e.y);else{if(In(t,e))return;i.uniform2fv(this.addr,e),Pn(t,e)}}function c1(i,e){let t=this.cache;if(e.x!==void 0)(t[0]!==e.x||t[1]!==e.y||t[2]!==e.z)&&(i.uniform3f(this.addr,e.x,e.y,e.z),t[0]=e.x,t[1]=e.y,t[2]=e.z);else if(e.r!==void 0)(t[0]!==e.r||t[1]!==e.g||t[2]!==e.b)&&(i.uniform3f(this.addr,e.r,e.g,e.b),t[0]=e.r,t[1]=e.g,t[2]=e.b);else{if(In(t,e))return;i.uniform3fv(this.addr,e),Pn(t,e)}}function h1(i,e){let t=this.cache;if(e.x!==void 0)(t[0]!==e.x||t[1]!==e.y||t[2]!==e.z||t[3]!==e.w)&&(i.uniform4f(this.addr,e.x,e.y,e.z,e.w),t[0]=e.x,t[1]=e.y,t[2]=e.z,t[3]=e.w);else{if(In(t,e))return;i.uniform4fv(this.addr,e),Pn(t,e)}}function u1(i,e){let t=this.cache,n=e.elements;if(n===void 0){if(In(t,e))return;i.uniformMatrix2fv(this.addr,!1,e),Pn(t,e)}else{if(In(t,n))return;N0.set(n),i.uniformMatrix2fv(this.addr,!1,N0),Pn(t,n)}}function f1(i,e){let t=this.cache,n=e.elements;if(n===void 0){if(In(t,e))return;i.uniformMatrix3fv(this.addr,!1,e),Pn(t,e)}else{if(In(t,n))return;D0.set(n),i.uniformMatrix3fv(this.addr,!1,D0),Pn(t,n)}}function d1(i,e){let t=this.cache,n=e.elements;if(n===void 0){if(In(t,e))return;i.uniformMatrix4fv(this.addr,!1,e),Pn(t,e)}else{if(In(t,n))return;L0.set(n),i.uniformMatrix4fv(this.addr,!1,L0),Pn(t,n)}}function p1(i,e){let t=this.cache;t[0]!==e&&(i.uniform1i(this.addr,e),t[0]=e)}function m1(i,e){let t=this.cache;if(e.x!==void 0)(t[0]!==e.x||t[1]!==e.y)&&(i.uniform2i(this.addr,e.x,e.y),t[0]=e.x,t[1]=e.y);else{if(In(t,e))return;i.uniform2iv(this.addr,e),Pn(t,e)}}function g1(i,e){let t=this.cache;if(e.x!==void 0)(t[0]!==e.x||t[1]!==e.y||t[2]!==e.z)&&(i.uniform3i(this.addr,e.x,e.y,e.z),t[0]=e.x,t[1]=e.y,t[2]=e.z);else{if(In(t,e))return;i.uniform3iv(this.addr,e),Pn(t,e)}}function _1(i,e){let t=this.cache;if(e.x!==void 0)(t[0]!==e.x||t[1]!==e.y||t[2]!==e.z||t[3]!==e.w)&&(i.uniform4i(this.addr,e.x,e.y,e.z,e.w),t[0]=e.x,t[1]=e.y,t[2]=e.z,t[3]=e.w);else{if(In(t,e))return;i.uniform4iv(this.addr,e),Pn(t,e)}}function y1(i,e){let t=this.cache;t[0]!==e&&(i.uniform1ui(this.addr,e),t[0]=e)}function x1(i,e){let t=this.cache;if(e.x!==void 0)(t[0]!==e.x||t[1]!==e.y)&&(i.uniform2ui(this.addr,e.x,e.y),t[0]=e.x,t[1]=e.y);else{if(In(t,e))return;i.uniform2uiv(this.addr,e),Pn(t,e)}}function v1(i,e){let t=this.cache;if(e.x!==void 0)(t[0]!==e.x||t[1]!==e.y||t[2]!==e.z)&&(i.uniform3ui(this.addr,e.x,e.y,e.z),t[0]=e.x,t[1]=e.y,t[2]=e.z);else{if(In(t,e))return;i.uniform3uiv(this.addr,e),Pn(t,e)}}function b1(i,e){let t=this.cache;if(e.x!==void 0)(t[0]!==e.x||t[1]!==e.y||t[2]!==e.z||t[3]!==e.w)&&(i.uniform4ui(this.addr,e.x,e.y,e.z,e.w),t[0]=e.x,t[1]=e.y,t[2]=e.z,t[3]=e.w);else{if(In(t,e))return;i.uniform4uiv(this.addr,e),Pn(t,e)}}function Gh(i){return i.version===0&&(i.compareFunction=od,i.needsUpdate=!0),i}function M1(i,e,t){let n=this.cache,s=t.allocateTextureUnit();n[0]!==s&&(i.uniform1i(this.addr,s),n[0]=s);let r;this.type===i.SAMPLER_2D_SHADOW?r=Gh(j0):r=J0,t.setTexture2D(e||r,s)}function S1(i,e,t){let n=this.cache,s=t.allocateTextureUnit();n[0]!==s&&(i.uniform1i(this.addr,s),n[0]=s),t.setTexture3D(e||t_,s)}function w1(i,e,t){let n=this.cache,s=t.allocateTextureUnit();n[0]!==s&&(i.uniform1i(this.addr,s),n[0]=s);let r;this.type===i.SAMPLER_CUBE_SHADOW?r=Gh(Q0):r=n_,t.setTextureCube(e||r,s)}function A1(i,e,t){let n=this.cache,s=t.allocateTextureUnit();n[0]!==s&&(i.uniform1i(this.addr,s),n[0]=s),t.setTexture2DArray(e||e_,s)}function E1(i){switch(i){case 5126:return a1;case 35664:return l1;case 35665:return c1;case 35666:return h1;case 35674:return u1;case 35675:return f1;case 35676:return d1;case 5124:case 35670:return p1;case 35667:case 35671:return m1;case 35668:case 35672:return g1;case 35669:case 35673:return _1;case 5125:return y1;case 36294:return x1;case 36295:return v1;case 36296:return b1;case 35678:case 36198:case 36298:case 36306:case 35682:return M1;case 35679:case 36299:case 36307:return S1;case 35680:case 36300:case 36308:case 36293:return w1;case 36289:case 36303:case 36311:case 36292:return A1}}function T1(i,e){i.uniform1fv(this.addr,e)}function C1(i,e){let t=$o(e,this.size,2);i.uniform2fv(this.addr,t)}function R1(i,e){let t=$o(e,this.size,3);i.uniform3fv(this.addr,t)}function I1(i,e){let t=$o(e,this.size,4);i.uniform4fv(this.addr,t)}function P1(i,e){let t=$o(e,this.size,4);i.uniformMatrix2fv(this.addr,!1,t)}function L1(i,e){let t=$o(e,this.size,9);i.uniformMatrix3fv(this.addr,!1,t)}function D1(i,e){let t=$o(e,this.size,16);i.uniformMatrix4fv(this.addr,!1,t)}function N1(i,e){i.uniform1iv(this.addr,e)}function U1(i,e){i.uniform2iv(this.addr,e)}function F1(i,e){i.uniform3iv(this.addr,e)}function O1(i,e){i.uniform4iv(this.addr,e)}function B1(i,e){i.uniform1uiv(this.addr,e)}function k1(i,e){i.uniform2uiv(this.addr,e)}function z1(i,e){i.uniform3uiv(this.addr,e)}function V1(i,e){i.uniform4uiv(this.addr,e)}function H1(i,e,t){let n=this.cache,s=e.length,r=Hh(t,s);In(n,r)||(i.uniform1iv(this.addr,r),Pn(n,r));let o;this.type===i.SAMPLER_2D_SHADOW?o=Gh(j0):o=J0;for(let a=0;a!==s;++a)t.setTexture2D(e[a]||o,r[a])}function G1(i,e,t){let n=this.cache,s=e.length,r=Hh(t,s);In(n,r)||(i.uniform1iv(this.addr,r),Pn(n,r));for(let o=0;o!==s;++o)t.setTexture3D(e[o]||t_,r[o])}function W1(i,e,t){let n=this.cache,s=e.length,r=Hh(t,s);In(n,r)||(i.uniform1iv(this.addr,r),Pn(n,r));let o;this.type===i.SAMPLER_CUBE_SHADOW?o=Gh(Q0):o=n_;for(let a=0;a!==s;++a)t.setTextureCube(e[a]||o,r[a])}function X1(i,e,t){let n=this.cache,s=e.length,r=Hh(t,s);In(n,r)||(i.uniform1iv(this.addr,r),Pn(n,r));for(let o=0;o!==s;++o)t.setTexture2DArray(e[o]||e_,r[o])}function $1(i){switch(i){case 5126:return T1;case 35664:return C1;case 35665:return R1;case 35666:return I1;case 35674:return P1;case 35675:return L1;case 35676:return D1;case 5124:case 35670:return N1;case 35667:case 35671:return U1;case 35668:case 35672:return F1;case 35669:case 35673:return O1;case 5125:return B1;case 36294:return k1;case 36295:return z1;case 36296:return V1;case 35678:case 36198:case 36298:case 36306:case 35682:return H1;case 35679:case 36299:case 36307:return G1;case 35680:case 36300:case 36308:case 36293:return W1;case 36289:case 36303:case 36311:case 36292:return X1}}var xd=class{constructor(e,t,n){this.id=e,this.addr=n,this.cache=[],this.type=t.type,this.setValue=E1(t.type)}},vd=class{constructor(e,t,n){this.id=e,this.addr=n,this.cache=[],this.type=t.type,this.size=t.size,this.setValue=$1(t.type)}},bd=class{constructor(e){this.id=e,this.seq=[],this.map={}}setValue(e,t,n){let s=this.seq;for(let r=0,o=s.length;r!==o;++r){let a=s[r];a.setValue(e,t[a.id],n)}}},_d=/(\w+)(\])?(\[|\.)?/g;function U0(i,e){i.seq.push(e),i.map[e.id]=e}function q1(i,e,t){let n=i.name,s=n.length;for(_d.lastIndex=0;;){let r=_d.exec(n),o=_d.lastIndex,a=r[1],l=r[2]==="]",c=r[3];if(l&&(a=a|0),c===void 0||c==="["&&o+2===s){U0(t,c===void 0?new xd(a,i,e):new vd(a,i,e));break}else{let u=t.map[a];u===void 0&&(u=new bd(a),U0(t,u)),t=u}}}var Xo=class{constructor(e,t){this.seq=[],this.map={};let n=e.getProgramParameter(t,e.ACTIVE_UNIFORMS);for(let o=0;o<n;++o){let a=e.getActiveUniform(t,o),l=e.getUniformLocation(t,a.name);q1(a,l,this)}let s=[],r=[];for(let o of this.seq)o.type===e.SAMPLER_2D_SHADOW||o.type===e.SAMPLER_CUBE_SHADOW||o.type===e.SAMPLER_2D_ARRAY_SHADOW?s.push(o):r.push(o);s.length>0&&(this.seq=s.concat(r))}setValue(e,t,n,s){let r=this.map[t];r!==void 0&&r.setValue(e,n,s)}setOptional(e,t,n){let s=t[n];s!==void 0&&this.setValue(e,n,s)}static upload(e,t,n,s){for(let r=0,o=t.length;r!==o;++r){let a=t[r],l=n[a.id];l.needsUpdate!==!1&&a.setValue(e,l.value,s)}}static seqWithValue(e,t){let n=[];for(let s=0,r=e.length;s!==r;++s){let o=e[s];o.id in t&&n.push(o)}return n}};function F0(i,e,t){let n=i.createShader(e);return i.shaderSource(n,t),i.compileShader(n),n}var Y1=37297,Z1=0;function K1(i,e){let t=i.split(`
+`),n=[],s=Math.max(e-6,0),r=Math.min(e+6,t.length);for(let o=s;o<r;o++){let a=o+1;n.push(`${a===e?">":" "} ${a}: ${t[o]}`)}return n.join(`
+`)}var O0=new nt;function J1(i){vt._getMatrix(O0,vt.workingColorSpace,i);let e=`mat3( ${O0.elements.map(t=>t.toFixed(4))} )`;switch(vt.getTransfer(i)){case Ca:return[e,"LinearTransferOETF"];case Nt:return[e,"sRGBTransferOETF"];default:return Ye("WebGLProgram: Unsupported color space: ",i),[e,"LinearTransferOETF"]}}function B0(i,e,t){let n=i.getShaderParameter(e,i.COMPILE_STATUS),r=(i.getShaderInfoLog(e)||"").trim();if(n&&r==="")return"";let o=/ERROR: 0:(\d+)/.exec(r);if(o){let a=parseInt(o[1]);return t.toUpperCase()+`
+
+`+r+`
+
+`+K1(i.getShaderSource(e),a)}else return r}function j1(i,e){let t=J1(e);return[`vec4 ${i}( vec4 value ) {`,`	return ${t[1]}( vec4( ${t[0]} * value.rgb, value.a ) );`,"}"].join(`
+`)}var Q1={[Gf]:"Linear",[Wf]:"Reinhard",[Xf]:"Cineon",[$f]:"ACESFilmic",[Yf]:"AgX",[Zf]:"Neutral",[qf]:"Custom"};function eA(i,e){let t=Q1[e];return t===void 0?(Ye("WebGLProgram: Unsupported toneMapping:",e),"vec3 "+i+"( vec3 color ) { return LinearToneMapping( color ); }"):"vec3 "+i+"( vec3 color ) { return "+t+"ToneMapping( color ); }"}var kh=new F;function tA(){vt.getLuminanceCoefficients(kh);let i=kh.x.toFixed(4),e=kh.y.toFixed(4),t=kh.z.toFixed(4);return["float luminance( const in vec3 rgb ) {",`	const vec3 weights = vec3( ${i}, ${e}, ${t} );`,"	return dot( weights, rgb );","}"].join(`
+`)}function nA(i){return[i.extensionClipCullDistance?"#extension GL_ANGLE_clip_cull_distance : require":"",i.extensionMultiDraw?"#extension GL_ANGLE_multi_draw : require":""].filter(sl).join(`
+`)}function iA(i){let e=[];for(let t in i){let n=i[t];n!==!1&&e.push("#define "+t+" "+n)}return e.join(`
+`)}function sA(i,e){let t={},n=i.getProgramParameter(e,i.ACTIVE_ATTRIBUTES);for(let s=0;s<n;s++){let r=i.getActiveAttrib(e,s),o=r.name,a=1;r.type===i.FLOAT_MAT2&&(a=2),r.type===i.FLOAT_MAT3&&(a=3),r.type===i.FLOAT_MAT4&&(a=4),t[o]={type:r.type,location:i.getAttribLocation(e,o),locationSize:a}}return t}function sl(i){return i!==""}function k0(i,e){let t=e.numSpotLightShadows+e.numSpotLightMaps-e.numSpotLightShadowsWithMaps;return i.replace(/NUM_SUN_LIGHTS/g,e.numSunLights).replace(/NUM_DIR_LIGHTS/g,e.numDirLights).replace(/NUM_SPOT_LIGHTS/g,e.numSpotLights).replace(/NUM_SPOT_LIGHT_MAPS/g,e.numSpotLightMaps).replace(/NUM_SPOT_LIGHT_COORDS/g,t).replace(/NUM_RECT_AREA_LIGHTS/g,e.numRectAreaLights).replace(/NUM_POINT_LIGHTS/g,e.numPointLights).replace(/NUM_HEMI_LIGHTS/g,e.numHemiLights).replace(/NUM_SUN_LIGHT_SHADOWS/g,e.numSunLightShadows).replace(/NUM_DIR_LIGHT_SHADOWS/g,e.numDirLightShadows).replace(/NUM_SPOT_LIGHT_SHADOWS_WITH_MAPS/g,e.numSpotLightShadowsWithMaps).replace(/NUM_SPOT_LIGHT_SHADOWS/g,e.numSpotLightShadows).replace(/NUM_POINT_LIGHT_SHADOWS/g,e.numPointLightShadows).replace(/NUM_LIGHT_PROBE_GRIDS/g,e.numLightProbeGrids)}function z0(i,e){return i.replace(/NUM_CLIPPING_PLANES/g,e.numClippingPlanes).replace(/UNION_CLIPPING_PLANES/g,e.numClippingPlanes-e.numClipIntersection)}var rA=/^[ \t]*#include +<([\w\d./]+)>/gm;function Md(i){return i.replace(rA,oA)}function oA(i,e){let t=ht[e];if(t===void 0)throw new Error("THREE.WebGLProgram: Can not resolve #include <"+e+">");return Md(t)}var aA=/#pragma unroll_loop_start\s+for\s*\(\s*int\s+i\s*=\s*(\d+)\s*;\s*i\s*<\s*(\d+)\s*;\s*i\s*\+\+\s*\)\s*{([\s\S]+?)}\s+#pragma unroll_loop_end/g;function V0(i){return i.replace(aA,lA)}function lA(i,e,t,n){let s="";for(let r=parseInt(e);r<parseInt(t);r++)s+=n.replace(/\[\s*i\s*\]/g,"[ "+r+" ]").replace(/UNROLLED_LOOP_INDEX/g,r);return s}function H0(i){let e=`precision ${i.precision} float;
+	precision ${i.precision} int;
+	precision ${i.precision} sampler2D;
+	precision ${i.precision} samplerCube;
+	precision ${i.precision} sampler3D;
+	precision ${i.precision} sampler2DArray;
+	precision ${i.precision} sampler2DShadow;
+	precision ${i.precision} samplerCubeShadow;
+	precision ${i.precision} sampler2DArrayShadow;
+	precision ${i.precision} isampler2D;
+	precision ${i.precision} isampler3D;
+	precision ${i.precision} isamplerCube;
+	precision ${i.precision} isampler2DArray;
+	precision ${i.precision} usampler2D;
+	precision ${i.precision} usampler3D;
+	precision ${i.precision} usamplerCube;
+	precision ${i.precision} usampler2DArray;
+	`;return i.precision==="highp"?e+=`
+#define HIGH_PRECISION`:i.precision==="mediump"?e+=`
+#define MEDIUM_PRECISION`:i.precision==="lowp"&&(e+=`
+#define LOW_PRECISION`),e}var cA={[Za]:"SHADOWMAP_TYPE_PCF",[zo]:"SHADOWMAP_TYPE_VSM"};function hA(i){return cA[i.shadowMapType]||"SHADOWMAP_TYPE_BASIC"}var uA={[Ho]:"ENVMAP_MODE_REFRACTION"};function fA(i){return i.envMap===!1?"ENVMAP_MODE_REFLECTION":uA[i.envMapMode]||"ENVMAP_MODE_REFLECTION"}var dA={[Kc]:"ENVMAP_BLENDING_MULTIPLY",[s0]:"ENVMAP_BLENDING_MIX",[r0]:"ENVMAP_BLENDING_ADD"};function pA(i){return i.envMap===!1?"ENVMAP_BLENDING_NONE":dA[i.combine]||"ENVMAP_BLENDING_NONE"}function mA(i,e,t,n){let s=i.getContext(),r=t.defines,o=t.vertexShader,a=t.fragmentShader,l=hA(t),c=t.envMapPMREM===!0?"ENVMAP_TYPE_PMREM":"ENVMAP_TYPE_CUBE",h=fA(t),u=pA(t),f=nA(t),p=iA(r),g=s.createProgram(),x,m,d=t.glslVersion?"#version "+t.glslVersion+`
+`:"";t.isRawShaderMaterial?(x=["#define SHADER_TYPE "+t.shaderType,"#define SHADER_NAME "+t.shaderName,p].filter(sl).join(`
+`),x.length>0&&(x+=`
+`),m=["#define SHADER_TYPE "+t.shaderType,"#define SHADER_NAME "+t.shaderName,p].filter(sl).join(`
+`),m.length>0&&(m+=`
+`)):(x=[H0(t),"#define SHADER_TYPE "+t.shaderType,"#define SHADER_NAME "+t.shaderName,p,t.extensionClipCullDistance?"#define USE_CLIP_DISTANCE":"",t.batching?"#define USE_BATCHING":"",t.batchingColor?"#define USE_BATCHING_COLOR":"",t.instancing?"#define USE_INSTANCING":"",t.instancingColor?"#define USE_INSTANCING_COLOR":"",t.instancingMorph?"#define USE_INSTANCING_MORPH":"",t.useFog&&t.fog?"#define USE_FOG":"",t.useFog&&t.fogExp2?"#define FOG_EXP2":"",t.map?"#define USE_MAP":"",t.envMap?"#define USE_ENVMAP":"",t.envMap?"#define "+h:"",t.lightMap?"#define USE_LIGHTMAP":"",t.aoMap?"#define USE_AOMAP":"",t.bumpMap?"#define USE_BUMPMAP":"",t.normalMap?"#define USE_NORMALMAP":"",t.normalMapObjectSpace?"#define USE_NORMALMAP_OBJECTSPACE":"",t.normalMapTangentSpace?"#define USE_NORMALMAP_TANGENTSPACE":"",t.displacementMap?"#define USE_DISPLACEMENTMAP":"",t.emissiveMap?"#define USE_EMISSIVEMAP":"",t.anisotropy?"#define USE_ANISOTROPY":"",t.anisotropyMap?"#define USE_ANISOTROPYMAP":"",t.clearcoatMap?"#define USE_CLEARCOATMAP":"",t.clearcoatRoughnessMap?"#define USE_CLEARCOAT_ROUGHNESSMAP":"",t.clearcoatNormalMap?"#define USE_CLEARCOAT_NORMALMAP":"",t.diffuseRoughnessMap?"#define USE_DIFFUSE_ROUGHNESSMAP":"",t.iridescenceMap?"#define USE_IRIDESCENCEMAP":"",t.iridescenceThicknessMap?"#define USE_IRIDESCENCE_THICKNESSMAP":"",t.specularMap?"#define USE_SPECULARMAP":"",t.specularColorMap?"#define USE_SPECULAR_COLORMAP":"",t.specularIntensityMap?"#define USE_SPECULAR_INTENSITYMAP":"",t.roughnessMap?"#define USE_ROUGHNESSMAP":"",t.metalnessMap?"#define USE_METALNESSMAP":"",t.alphaMap?"#define USE_ALPHAMAP":"",t.alphaHash?"#define USE_ALPHAHASH":"",t.transmission?"#define USE_TRANSMISSION":"",t.transmissionMap?"#define USE_TRANSMISSIONMAP":"",t.thicknessMap?"#define USE_THICKNESSMAP":"",t.sheenColorMap?"#define USE_SHEEN_COLORMAP":"",t.sheenRoughnessMap?"#define USE_SHEEN_ROUGHNESSMAP":"",t.mapUv?"#define MAP_UV "+t.mapUv:"",t.alphaMapUv?"#define ALPHAMAP_UV "+t.alphaMapUv:"",t.lightMapUv?"#define LIGHTMAP_UV "+t.lightMapUv:"",t.aoMapUv?"#define AOMAP_UV "+t.aoMapUv:"",t.emissiveMapUv?"#define EMISSIVEMAP_UV "+t.emissiveMapUv:"",t.bumpMapUv?"#define BUMPMAP_UV "+t.bumpMapUv:"",t.normalMapUv?"#define NORMALMAP_UV "+t.normalMapUv:"",t.displacementMapUv?"#define DISPLACEMENTMAP_UV "+t.displacementMapUv:"",t.metalnessMapUv?"#define METALNESSMAP_UV "+t.metalnessMapUv:"",t.roughnessMapUv?"#define ROUGHNESSMAP_UV "+t.roughnessMapUv:"",t.anisotropyMapUv?"#define ANISOTROPYMAP_UV "+t.anisotropyMapUv:"",t.clearcoatMapUv?"#define CLEARCOATMAP_UV "+t.clearcoatMapUv:"",t.clearcoatNormalMapUv?"#define CLEARCOAT_NORMALMAP_UV "+t.clearcoatNormalMapUv:"",t.clearcoatRoughnessMapUv?"#define CLEARCOAT_ROUGHNESSMAP_UV "+t.clearcoatRoughnessMapUv:"",t.diffuseRoughnessMapUv?"#define DIFFUSE_ROUGHNESSMAP_UV "+t.diffuseRoughnessMapUv:"",t.iridescenceMapUv?"#define IRIDESCENCEMAP_UV "+t.iridescenceMapUv:"",t.iridescenceThicknessMapUv?"#define IRIDESCENCE_THICKNESSMAP_UV "+t.iridescenceThicknessMapUv:"",t.sheenColorMapUv?"#define SHEEN_COLORMAP_UV "+t.sheenColorMapUv:"",t.sheenRoughnessMapUv?"#define SHEEN_ROUGHNESSMAP_UV "+t.sheenRoughnessMapUv:"",t.specularMapUv?"#define SPECULARMAP_UV "+t.specularMapUv:"",t.specularColorMapUv?"#define SPECULAR_COLORMAP_UV "+t.specularColorMapUv:"",t.specularIntensityMapUv?"#define SPECULAR_INTENSITYMAP_UV "+t.specularIntensityMapUv:"",t.transmissionMapUv?"#define TRANSMISSIONMAP_UV "+t.transmissionMapUv:"",t.thicknessMapUv?"#define THICKNESSMAP_UV "+t.thicknessMapUv:"",t.vertexTangents&&t.flatShading===!1?"#define USE_TANGENT":"",t.vertexNormals?"#define HAS_NORMAL":"",t.vertexColors?"#define USE_COLOR":"",t.vertexAlphas?"#define USE_COLOR_ALPHA":"",t.vertexUv1s?"#define USE_UV1":"",t.vertexUv2s?"#define USE_UV2":"",t.vertexUv3s?"#define USE_UV3":"",t.pointsUvs?"#define USE_POINTS_UV":"",t.flatShading?"#define FLAT_SHADED":"",t.skinning?"#define USE_SKINNING":"",t.morphTargets?"#define USE_MORPHTARGETS":"",t.morphNormals&&t.flatShading===!1?"#define USE_MORPHNORMALS":"",t.morphColors?"#define USE_MORPHCOLORS":"",t.morphTargetsCount>0?"#define MORPHTARGETS_TEXTURE_STRIDE "+t.morphTextureStride:"",t.morphTargetsCount>0?"#define MORPHTARGETS_COUNT "+t.morphTargetsCount:"",t.doubleSided?"#define DOUBLE_SIDED":"",t.flipSided?"#define FLIP_SIDED":"",t.shadowMapEnabled?"#define USE_SHADOWMAP":"",t.shadowMapEnabled?"#define "+l:"",t.sizeAttenuation?"#define USE_SIZEATTENUATION":"",t.numLightProbes>0?"#define USE_LIGHT_PROBES":"",t.logarithmicDepthBuffer?"#define USE_LOGARITHMIC_DEPTH_BUFFER":"",t.reversedDepthBuffer?"#define USE_REVERSED_DEPTH_BUFFER":"","uniform mat4 modelMatrix;","uniform mat4 modelViewMatrix;","uniform mat4 projectionMatrix;","uniform mat4 viewMatrix;","uniform mat3 normalMatrix;","uniform vec3 cameraPosition;","uniform bool isOrthographic;","#ifdef USE_INSTANCING","	attribute mat4 instanceMatrix;","#endif","#ifdef USE_INSTANCING_COLOR","	attribute vec3 instanceColor;","#endif","#ifdef USE_INSTANCING_MORPH","	uniform sampler2D morphTexture;","#endif","attribute vec3 position;","attribute vec3 normal;","attribute vec2 uv;","#ifdef USE_UV1","	attribute vec2 uv1;","#endif","#ifdef USE_UV2","	attribute vec2 uv2;","#endif","#ifdef USE_UV3","	attribute vec2 uv3;","#endif","#ifdef USE_TANGENT","	attribute vec4 tangent;","#endif","#if defined( USE_COLOR_ALPHA )","	attribute vec4 color;","#elif defined( USE_COLOR )","	attribute vec3 color;","#endif","#ifdef USE_SKINNING","	attribute vec4 skinIndex;","	attribute vec4 skinWeight;","#endif",`
+`].filter(sl).join(`
+`),m=[H0(t),"#define SHADER_TYPE "+t.shaderType,"#define SHADER_NAME "+t.shaderName,p,t.useFog&&t.fog?"#define USE_FOG":"",t.useFog&&t.fogExp2?"#define FOG_EXP2":"",t.alphaToCoverage?"#define ALPHA_TO_COVERAGE":"",t.map?"#define USE_MAP":"",t.matcap?"#define USE_MATCAP":"",t.envMap?"#define USE_ENVMAP":"",t.envMap?"#define "+c:"",t.envMap?"#define "+h:"",t.envMap?"#define "+u:"",t.envMapPMREM?"#define ENVMAP_MAX_LOD "+t.envMapMaxLod+".0":"",t.envMapPMREM?"#define ENVMAP_SIZE "+t.envMapSize+".0":"",t.lightMap?"#define USE_LIGHTMAP":"",t.aoMap?"#define USE_AOMAP":"",t.bumpMap?"#define USE_BUMPMAP":"",t.normalMap?"#define USE_NORMALMAP":"",t.normalMapObjectSpace?"#define USE_NORMALMAP_OBJECTSPACE":"",t.normalMapTangentSpace?"#define USE_NORMALMAP_TANGENTSPACE":"",t.packedNormalMap?"#define USE_PACKED_NORMALMAP":"",t.emissiveMap?"#define USE_EMISSIVEMAP":"",t.anisotropy?"#define USE_ANISOTROPY":"",t.anisotropyMap?"#define USE_ANISOTROPYMAP":"",t.clearcoat?"#define USE_CLEARCOAT":"",t.clearcoatMap?"#define USE_CLEARCOATMAP":"",t.clearcoatRoughnessMap?"#define USE_CLEARCOAT_ROUGHNESSMAP":"",t.clearcoatNormalMap?"#define USE_CLEARCOAT_NORMALMAP":"",t.diffuseRoughness?"#define USE_DIFFUSE_ROUGHNESS":"",t.diffuseRoughnessMap?"#define USE_DIFFUSE_ROUGHNESSMAP":"",t.dispersion?"#define USE_DISPERSION":"",t.retroreflection?"#define USE_RETROREFLECTION":"",t.iridescence?"#define USE_IRIDESCENCE":"",t.iridescenceMap?"#define USE_IRIDESCENCEMAP":"",t.iridescenceThicknessMap?"#define USE_IRIDESCENCE_THICKNESSMAP":"",t.specularMap?"#define USE_SPECULARMAP":"",t.specularColorMap?"#define USE_SPECULAR_COLORMAP":"",t.specularIntensityMap?"#define USE_SPECULAR_INTENSITYMAP":"",t.roughnessMap?"#define USE_ROUGHNESSMAP":"",t.metalnessMap?"#define USE_METALNESSMAP":"",t.alphaMap?"#define USE_ALPHAMAP":"",t.alphaTest?"#define USE_ALPHATEST":"",t.alphaHash?"#define USE_ALPHAHASH":"",t.sheen?"#define USE_SHEEN":"",t.sheenColorMap?"#define USE_SHEEN_COLORMAP":"",t.sheenRoughnessMap?"#define USE_SHEEN_ROUGHNESSMAP":"",t.transmission?"#define USE_TRANSMISSION":"",t.transmissionMap?"#define USE_TRANSMISSIONMAP":"",t.thicknessMap?"#define USE_THICKNESSMAP":"",t.vertexTangents&&t.flatShading===!1?"#define USE_TANGENT":"",t.vertexColors||t.instancingColor?"#define USE_COLOR":"",t.vertexAlphas||t.batchingColor?"#define USE_COLOR_ALPHA":"",t.vertexUv1s?"#define USE_UV1":"",t.vertexUv2s?"#define USE_UV2":"",t.vertexUv3s?"#define USE_UV3":"",t.pointsUvs?"#define USE_POINTS_UV":"",t.gradientMap?"#define USE_GRADIENTMAP":"",t.flatShading?"#define FLAT_SHADED":"",t.doubleSided?"#define DOUBLE_SIDED":"",t.flipSided?"#define FLIP_SIDED":"",t.shadowMapEnabled?"#define USE_SHADOWMAP":"",t.shadowMapEnabled?"#define "+l:"",t.premultipliedAlpha?"#define PREMULTIPLIED_ALPHA":"",t.numLightProbes>0?"#define USE_LIGHT_PROBES":"",t.decodeVideoTexture?"#define DECODE_VIDEO_TEXTURE":"",t.decodeVideoTextureEmissive?"#define DECODE_VIDEO_TEXTURE_EMISSIVE":"",t.logarithmicDepthBuffer?"#define USE_LOGARITHMIC_DEPTH_BUFFER":"",t.reversedDepthBuffer?"#define USE_REVERSED_DEPTH_BUFFER":"","uniform mat4 viewMatrix;","uniform vec3 cameraPosition;","uniform bool isOrthographic;",t.toneMapping!==ms?"#define TONE_MAPPING":"",t.toneMapping!==ms?ht.tonemapping_pars_fragment:"",t.toneMapping!==ms?eA("toneMapping",t.toneMapping):"",t.dithering?"#define DITHERING":"",t.opaque?"#define OPAQUE":"",ht.colorspace_pars_fragment,j1("linearToOutputTexel",t.outputColorSpace),tA(),t.useDepthPacking?"#define DEPTH_PACKING "+t.depthPacking:"",`
+`].filter(sl).join(`
+`)),o=Md(o),o=k0(o,t),o=z0(o,t),a=Md(a),a=k0(a,t),a=z0(a,t),o=V0(o),a=V0(a),t.isRawShaderMaterial!==!0&&(d=`#version 300 es
+`,x=[f,"#define attribute in","#define varying out","#define texture2D texture"].join(`
+`)+`
+`+x,m=["#define varying in",t.glslVersion===ad?"":"layout(location = 0) out highp vec4 pc_fragColor;",t.glslVersion===ad?"":"#define gl_FragColor pc_fragColor","#define gl_FragDepthEXT gl_FragDepth","#define texture2D texture","#define textureCube texture","#define texture2DProj textureProj","#define texture2DLodEXT textureLod","#define texture2DProjLodEXT textureProjLod","#define textureCubeLodEXT textureLod","#define texture2DGradEXT textureGrad","#define texture2DProjGradEXT textureProjGrad","#define textureCubeGradEXT textureGrad"].join(`
+`)+`
+`+m);let _=d+x+o,w=d+m+a,b=F0(s,s.VERTEX_SHADER,_),E=F0(s,s.FRAGMENT_SHADER,w);s.attachShader(g,b),s.attachShader(g,E),t.index0AttributeName!==void 0?s.bindAttribLocation(g,0,t.index0AttributeName):t.hasPositionAttribute===!0&&s.bindAttribLocation(g,0,"position"),s.linkProgram(g);function S(R){if(i.debug.checkShaderErrors){let P=s.getProgramInfoLog(g)||"",O=s.getShaderInfoLog(b)||"",V=s.getShaderInfoLog(E)||"",L=P.trim(),B=O.trim(),X=V.trim(),G=!0,ae=!0;if(s.getProgramParameter(g,s.LINK_STATUS)===!1)if(G=!1,typeof i.debug.onShaderError=="function")i.debug.onShaderError(s,g,b,E);else{let Z=B0(s,b,"vertex"),j=B0(s,E,"fragment");et("WebGLProgram: Shader Error "+s.getError()+" - VALIDATE_STATUS "+s.getProgramParameter(g,s.VALIDATE_STATUS)+`
+
+Material Name: `+R.name+`
+Material Type: `+R.type+`
+
+Program Info Log: `+L+`
+`+Z+`
+`+j)}else L!==""?Ye("WebGLProgram: Program Info Log:",L):(B===""||X==="")&&(ae=!1);ae&&(R.diagnostics={runnable:G,programLog:L,vertexShader:{log:B,prefix:x},fragmentShader:{log:X,prefix:m}})}s.deleteShader(b),s.deleteShader(E),y=new Xo(s,g),M=sA(s,g)}let y;this.getUniforms=function(){return y===void 0&&S(this),y};let M;this.getAttributes=function(){return M===void 0&&S(this),M};let I=t.rendererExtensionParallelShaderCompile===!1;return this.isReady=function(){return I===!1&&(I=s.getProgramParameter(g,Y1)),I},this.destroy=function(){n.releaseStatesOfProgram(this),s.deleteProgram(g),this.program=void 0},this.type=t.shaderType,this.name=t.shaderName,this.id=Z1++,this.cacheKey=e,this.usedTimes=1,this.program=g,this.vertexShader=b,this.fragmentShader=E,this}var gA=0,Sd=class{constructor(){this.shaderCache=new Map,this.materialCache=new Map}update(e,t,n){let s=this._getShaderCacheForMaterial(e);return s.has(t)===!1&&(s.add(t),t.usedTimes++),s.has(n)===!1&&(s.add(n),n.usedTimes++),this}remove(e){let t=this.materialCache.get(e);for(let n of t)n.usedTimes--,n.usedTimes===0&&this.shaderCache.delete(n.code);return this.materialCache.delete(e),this}getVertexShaderStage(e){return this._getShaderStage(e.vertexShader)}getFragmentShaderStage(e){return this._getShaderStage(e.fragmentShader)}dispose(){this.shaderCache.clear(),this.materialCache.clear()}_getShaderCacheForMaterial(e){let t=this.materialCache,n=t.get(e);return n===void 0&&(n=new Set,t.set(e,n)),n}_getShaderStage(e){let t=this.shaderCache,n=t.get(e);return n===void 0&&(n=new wd(e),t.set(e,n)),n}},wd=class{constructor(e){this.id=gA++,this.code=e,this.usedTimes=0}};function _A(i){return i===hr||i===tl||i===nl}function yA(i,e,t,n,s,r){let o=new No,a=new Sd,l=new Set,c=[],h=new Map,u=n.logarithmicDepthBuffer,f={MeshDepthMaterial:"depth",MeshDistanceMaterial:"distance",MeshNormalMaterial:"normal",MeshBasicMaterial:"basic",MeshLambertMaterial:"lambert",MeshPhongMaterial:"phong",MeshToonMaterial:"toon",MeshStandardMaterial:"physical",MeshPhysicalMaterial:"physical",MeshMatcapMaterial:"matcap",LineBasicMaterial:"basic",LineDashedMaterial:"dashed",PointsMaterial:"points",ShadowMaterial:"shadow",SpriteMaterial:"sprite"};function p(y){return l.add(y),y===0?"uv":`uv${y}`}function g(y,M,I,R,P,O){let V=R.fog,L=P.geometry,B=y.isMeshStandardMaterial||y.isMeshLambertMaterial||y.isMeshPhongMaterial?R.environment:null,X=y.isMeshStandardMaterial||y.isMeshLambertMaterial&&!y.envMap||y.isMeshPhongMaterial&&!y.envMap,G=e.get(y.envMap||B,X),ae=f[y.type],Z=n.precision;y.precision!==null&&(Z=n.getMaxPrecision(y.precision),Z!==y.precision&&Ye("WebGLProgram.getParameters:",y.precision,"not supported, using",Z,"instead."));let j=L.morphAttributes.position||L.morphAttributes.normal||L.morphAttributes.color,ne=j!==void 0?j.length:0,fe=0;L.morphAttributes.position!==void 0&&(fe=1),L.morphAttributes.normal!==void 0&&(fe=2),L.morphAttributes.color!==void 0&&(fe=3);let ue,Q,me,ge;if(ae){let Ce=_s[ae];ue=Ce.vertexShader,Q=Ce.fragmentShader}else{ue=y.vertexShader,Q=y.fragmentShader;let Ce=a.getVertexShaderStage(y),lt=a.getFragmentShaderStage(y);a.update(y,Ce,lt),me=Ce.id,ge=lt.id}let ye=i.getRenderTarget(),_e=i.state.buffers.depth.getReversed(),He=P.isInstancedMesh===!0,Ke=P.isBatchedMesh===!0,Oe=!!y.map,it=!!y.matcap,at=!!G,st=at&&G.isPMREMTexture===!0,jt=!!y.aoMap,Wt=!!y.lightMap,gn=!!y.bumpMap&&y.wireframe===!1,kt=!!y.normalMap,Dn=!!y.displacementMap,bt=!!y.emissiveMap,En=!!y.metalnessMap,rn=!!y.roughnessMap,_n=y.anisotropy>0,z=y.clearcoat>0,Re=y.diffuseRoughness>0,Ze=y.dispersion>0,ot=y.retroreflectivity>0,we=y.iridescence>0,Vt=y.sheen>0,Ge=y.transmission>0,$e=_n&&!!y.anisotropyMap,D=z&&!!y.clearcoatMap,A=z&&!!y.clearcoatNormalMap,$=z&&!!y.clearcoatRoughnessMap,he=Re&&!!y.diffuseRoughnessMap,re=we&&!!y.iridescenceMap,ve=we&&!!y.iridescenceThicknessMap,be=Vt&&!!y.sheenColorMap,ee=Vt&&!!y.sheenRoughnessMap,ie=!!y.specularMap,pe=!!y.specularColorMap,k=!!y.specularIntensityMap,se=Ge&&!!y.transmissionMap,te=Ge&&!!y.thicknessMap,Ae=!!y.gradientMap,xe=!!y.alphaMap,Se=y.alphaTest>0,We=!!y.alphaHash,je=!!y.extensions,ce=ms;y.toneMapped&&(ye===null||ye.isXRRenderTarget===!0)&&(ce=i.toneMapping);let ke=st?G.isCompressedCubeTexture?G.image[0].mipmaps:G.mipmaps:null,Qe={shaderID:ae,shaderType:y.type,shaderName:y.name,vertexShader:ue,fragmentShader:Q,defines:y.defines,customVertexShaderID:me,customFragmentShaderID:ge,isRawShaderMaterial:y.isRawShaderMaterial===!0,glslVersion:y.glslVersion,precision:Z,batching:Ke,batchingColor:Ke&&P._colorsTexture!==null,instancing:He,instancingColor:He&&P.instanceColor!==null,instancingMorph:He&&P.morphTexture!==null,outputColorSpace:ye===null?i.outputColorSpace:ye.isXRRenderTarget===!0?ye.texture.colorSpace:vt.workingColorSpace,alphaToCoverage:!!y.alphaToCoverage,map:Oe,matcap:it,envMap:at,envMapMode:at&&G.mapping,envMapPMREM:st,envMapMaxLod:st?ke.length-1:null,envMapSize:st?ke[0].width:null,aoMap:jt,lightMap:Wt,bumpMap:gn,normalMap:kt,displacementMap:Dn,emissiveMap:bt,normalMapObjectSpace:kt&&y.normalMapType===l0,normalMapTangentSpace:kt&&y.normalMapType===Fh,packedNormalMap:kt&&y.normalMapType===Fh&&_A(y.normalMap.format),metalnessMap:En,roughnessMap:rn,anisotropy:_n,anisotropyMap:$e,clearcoat:z,clearcoatMap:D,clearcoatNormalMap:A,clearcoatRoughnessMap:$,diffuseRoughness:Re,diffuseRoughnessMap:he,dispersion:Ze,retroreflection:ot,iridescence:we,iridescenceMap:re,iridescenceThicknessMap:ve,sheen:Vt,sheenColorMap:be,sheenRoughnessMap:ee,specularMap:ie,specularColorMap:pe,specularIntensityMap:k,transmission:Ge,transmissionMap:se,thicknessMap:te,gradientMap:Ae,opaque:y.transparent===!1&&y.blending===Vo&&y.alphaToCoverage===!1,alphaMap:xe,alphaTest:Se,alphaHash:We,combine:y.combine,mapUv:Oe&&p(y.map.channel),aoMapUv:jt&&p(y.aoMap.channel),lightMapUv:Wt&&p(y.lightMap.channel),bumpMapUv:gn&&p(y.bumpMap.channel),normalMapUv:kt&&p(y.normalMap.channel),displacementMapUv:Dn&&p(y.displacementMap.channel),emissiveMapUv:bt&&p(y.emissiveMap.channel),metalnessMapUv:En&&p(y.metalnessMap.channel),roughnessMapUv:rn&&p(y.roughnessMap.channel),anisotropyMapUv:$e&&p(y.anisotropyMap.channel),clearcoatMapUv:D&&p(y.clearcoatMap.channel),clearcoatNormalMapUv:A&&p(y.clearcoatNormalMap.channel),clearcoatRoughnessMapUv:$&&p(y.clearcoatRoughnessMap.channel),diffuseRoughnessMapUv:he&&p(y.diffuseRoughnessMap.channel),iridescenceMapUv:re&&p(y.iridescenceMap.channel),iridescenceThicknessMapUv:ve&&p(y.iridescenceThicknessMap.channel),sheenColorMapUv:be&&p(y.sheenColorMap.channel),sheenRoughnessMapUv:ee&&p(y.sheenRoughnessMap.channel),specularMapUv:ie&&p(y.specularMap.channel),specularColorMapUv:pe&&p(y.specularColorMap.channel),specularIntensityMapUv:k&&p(y.specularIntensityMap.channel),transmissionMapUv:se&&p(y.transmissionMap.channel),thicknessMapUv:te&&p(y.thicknessMap.channel),alphaMapUv:xe&&p(y.alphaMap.channel),vertexTangents:!!L.attributes.tangent&&(kt||_n),vertexNormals:!!L.attributes.normal,vertexColors:y.vertexColors,vertexAlphas:y.vertexColors===!0&&!!L.attributes.color&&L.attributes.color.itemSize===4,pointsUvs:P.isPoints===!0&&!!L.attributes.uv&&(Oe||xe),fog:!!V,useFog:y.fog===!0,fogExp2:!!V&&V.isFogExp2,flatShading:y.wireframe===!1&&(y.flatShading===!0||L.attributes.normal===void 0&&kt===!1&&(y.isMeshLambertMaterial||y.isMeshPhongMaterial||y.isMeshStandardMaterial||y.isMeshPhysicalMaterial)),sizeAttenuation:y.sizeAttenuation===!0,logarithmicDepthBuffer:u,reversedDepthBuffer:_e,skinning:P.isSkinnedMesh===!0,hasPositionAttribute:L.attributes.position!==void 0,morphTargets:L.morphAttributes.position!==void 0,morphNormals:L.morphAttributes.normal!==void 0,morphColors:L.morphAttributes.color!==void 0,morphTargetsCount:ne,morphTextureStride:fe,numSunLights:M.sun.length,numDirLights:M.directional.length,numPointLights:M.point.length,numSpotLights:M.spot.length,numSpotLightMaps:M.spotLightMap.length,numRectAreaLights:M.rectArea.length,numHemiLights:M.hemi.length,numSunLightShadows:M.sunShadowMap.length,numDirLightShadows:M.directionalShadowMap.length,numPointLightShadows:M.pointShadowMap.length,numSpotLightShadows:M.spotShadowMap.length,numSpotLightShadowsWithMaps:M.numSpotLightShadowsWithMaps,numLightProbes:M.numLightProbes,numLightProbeGrids:O.filter(Ce=>Ce.texture!==null).length,numClippingPlanes:r.numPlanes,numClipIntersection:r.numIntersection,dithering:y.dithering,shadowMapEnabled:i.shadowMap.enabled&&I.length>0,shadowMapType:i.shadowMap.type,toneMapping:ce,decodeVideoTexture:Oe&&y.map.isVideoTexture===!0&&vt.getTransfer(y.map.colorSpace)===Nt,decodeVideoTextureEmissive:bt&&y.emissiveMap.isVideoTexture===!0&&vt.getTransfer(y.emissiveMap.colorSpace)===Nt,premultipliedAlpha:y.premultipliedAlpha,doubleSided:y.side===Fi,flipSided:y.side===ai,useDepthPacking:y.depthPacking>=0,depthPacking:y.depthPacking||0,index0AttributeName:y.index0AttributeName,extensionClipCullDistance:je&&y.extensions.clipCullDistance===!0&&t.has("WEBGL_clip_cull_distance"),extensionMultiDraw:(je&&y.extensions.multiDraw===!0||Ke)&&t.has("WEBGL_multi_draw"),rendererExtensionParallelShaderCompile:t.has("KHR_parallel_shader_compile"),customProgramCacheKey:y.customProgramCacheKey()};return Qe.vertexUv1s=l.has(1),Qe.vertexUv2s=l.has(2),Qe.vertexUv3s=l.has(3),l.clear(),Qe}function x(y){let M=[];if(y.shaderID?M.push(y.shaderID):(M.push(y.customVertexShaderID),M.push(y.customFragmentShaderID)),y.defines!==void 0)for(let I in y.defines)M.push(I),M.push(y.defines[I]);return y.isRawShaderMaterial===!1&&(m(M,y),d(M,y),M.push(i.outputColorSpace)),M.push(y.customProgramCacheKey),M.join()}function m(y,M){y.push(M.precision),y.push(M.outputColorSpace),y.push(M.envMapMode),y.push(M.envMapPMREM),y.push(M.envMapMaxLod),y.push(M.envMapSize),y.push(M.mapUv),y.push(M.alphaMapUv),y.push(M.lightMapUv),y.push(M.aoMapUv),y.push(M.bumpMapUv),y.push(M.normalMapUv),y.push(M.displacementMapUv),y.push(M.emissiveMapUv),y.push(M.metalnessMapUv),y.push(M.roughnessMapUv),y.push(M.anisotropyMapUv),y.push(M.clearcoatMapUv),y.push(M.clearcoatNormalMapUv),y.push(M.clearcoatRoughnessMapUv),y.push(M.diffuseRoughnessMapUv),y.push(M.iridescenceMapUv),y.push(M.iridescenceThicknessMapUv),y.push(M.sheenColorMapUv),y.push(M.sheenRoughnessMapUv),y.push(M.specularMapUv),y.push(M.specularColorMapUv),y.push(M.specularIntensityMapUv),y.push(M.transmissionMapUv),y.push(M.thicknessMapUv),y.push(M.combine),y.push(M.fogExp2),y.push(M.sizeAttenuation),y.push(M.morphTargetsCount),y.push(M.numSunLights),y.push(M.numDirLights),y.push(M.numPointLights),y.push(M.numSpotLights),y.push(M.numSpotLightMaps),y.push(M.numHemiLights),y.push(M.numRectAreaLights),y.push(M.numSunLightShadows),y.push(M.numDirLightShadows),y.push(M.numPointLightShadows),y.push(M.numSpotLightShadows),y.push(M.numSpotLightShadowsWithMaps),y.push(M.numLightProbes),y.push(M.numLightProbeGrids),y.push(M.shadowMapType),y.push(M.toneMapping),y.push(M.numClippingPlanes),y.push(M.numClipIntersection),y.push(M.depthPacking)}function d(y,M){o.disableAll(),M.instancing&&o.enable(0),M.instancingColor&&o.enable(1),M.instancingMorph&&o.enable(2),M.matcap&&o.enable(3),M.envMap&&o.enable(4),M.normalMapObjectSpace&&o.enable(5),M.normalMapTangentSpace&&o.enable(6),M.clearcoat&&o.enable(7),M.iridescence&&o.enable(8),M.alphaTest&&o.enable(9),M.vertexColors&&o.enable(10),M.vertexAlphas&&o.enable(11),M.vertexUv1s&&o.enable(12),M.vertexUv2s&&o.enable(13),M.vertexUv3s&&o.enable(14),M.vertexTangents&&o.enable(15),M.anisotropy&&o.enable(16),M.alphaHash&&o.enable(17),M.batching&&o.enable(18),M.dispersion&&o.enable(19),M.retroreflection&&o.enable(24),M.diffuseRoughness&&o.enable(25),M.batchingColor&&o.enable(20),M.gradientMap&&o.enable(21),M.packedNormalMap&&o.enable(22),M.vertexNormals&&o.enable(23),y.push(o.mask),o.disableAll(),M.fog&&o.enable(0),M.useFog&&o.enable(1),M.flatShading&&o.enable(2),M.logarithmicDepthBuffer&&o.enable(3),M.reversedDepthBuffer&&o.enable(4),M.skinning&&o.enable(5),M.morphTargets&&o.enable(6),M.morphNormals&&o.enable(7),M.morphColors&&o.enable(8),M.premultipliedAlpha&&o.enable(9),M.shadowMapEnabled&&o.enable(10),M.doubleSided&&o.enable(11),M.flipSided&&o.enable(12),M.useDepthPacking&&o.enable(13),M.dithering&&o.enable(14),M.transmission&&o.enable(15),M.sheen&&o.enable(16),M.opaque&&o.enable(17),M.pointsUvs&&o.enable(18),M.decodeVideoTexture&&o.enable(19),M.decodeVideoTextureEmissive&&o.enable(20),M.alphaToCoverage&&o.enable(21),M.numLightProbeGrids>0&&o.enable(22),M.hasPositionAttribute&&o.enable(23),y.push(o.mask)}function _(y){let M=f[y.type],I;if(M){let R=_s[M];I=S0.clone(R.uniforms)}else I=y.uniforms;return I}function w(y,M){let I=h.get(M);return I!==void 0?++I.usedTimes:(I=new mA(i,M,y,s),c.push(I),h.set(M,I)),I}function b(y){if(--y.usedTimes===0){let M=c.indexOf(y);c[M]=c[c.length-1],c.pop(),h.delete(y.cacheKey),y.destroy()}}function E(y){a.remove(y)}function S(){a.dispose()}return{getParameters:g,getProgramCacheKey:x,getUniforms:_,acquireProgram:w,releaseProgram:b,releaseShaderCache:E,programs:c,dispose:S}}function xA(){let i=new WeakMap;function e(o){return i.has(o)}function t(o){let a=i.get(o);return a===void 0&&(a={},i.set(o,a)),a}function n(o){i.delete(o)}function s(o,a,l){i.get(o)[a]=l}function r(){i=new WeakMap}return{has:e,get:t,remove:n,update:s,dispose:r}}function vA(i,e){return i.groupOrder!==e.groupOrder?i.groupOrder-e.groupOrder:i.renderOrder!==e.renderOrder?i.renderOrder-e.renderOrder:i.material.id!==e.material.id?i.material.id-e.material.id:i.materialVariant!==e.materialVariant?i.materialVariant-e.materialVariant:i.z!==e.z?i.z-e.z:i.id-e.id}function G0(i,e){return i.groupOrder!==e.groupOrder?i.groupOrder-e.groupOrder:i.renderOrder!==e.renderOrder?i.renderOrder-e.renderOrder:i.z!==e.z?e.z-i.z:i.id-e.id}function W0(){let i=[],e=0,t=[],n=[],s=[];function r(){e=0,t.length=0,n.length=0,s.length=0}function o(f){let p=0;return f.isInstancedMesh&&(p+=2),f.isSkinnedMesh&&(p+=1),p}function a(f,p,g,x,m,d){let _=i[e];return _===void 0?(_={id:f.id,object:f,geometry:p,material:g,materialVariant:o(f),groupOrder:x,renderOrder:f.renderOrder,z:m,group:d},i[e]=_):(_.id=f.id,_.object=f,_.geometry=p,_.material=g,_.materialVariant=o(f),_.groupOrder=x,_.renderOrder=f.renderOrder,_.z=m,_.group=d),e++,_}function l(f,p,g,x,m,d,_){_.reversedDepth===!0&&(m=-m);let w=a(f,p,g,x,m,d);g.transmission>0?n.push(w):g.transparent===!0?s.push(w):t.push(w)}function c(f,p,g,x,m,d){let _=a(f,p,g,x,m,d);g.transmission>0?n.unshift(_):g.transparent===!0?s.unshift(_):t.unshift(_)}function h(f,p){t.length>1&&t.sort(f||vA),n.length>1&&n.sort(p||G0),s.length>1&&s.sort(p||G0)}function u(){for(let f=e,p=i.length;f<p;f++){let g=i[f];if(g.id===null)break;g.id=null,g.object=null,g.geometry=null,g.material=null,g.group=null}}return{opaque:t,transmissive:n,transparent:s,init:r,push:l,unshift:c,finish:u,sort:h}}function bA(){let i=new WeakMap;function e(n,s){let r=i.get(n),o;return r===void 0?(o=new W0,i.set(n,[o])):s>=r.length?(o=new W0,r.push(o)):o=r[s],o}function t(){i=new WeakMap}return{get:e,dispose:t}}function MA(){let i={};return{get:function(e){if(i[e.id]!==void 0)return i[e.id];let t;switch(e.type){case"SunLight":case"DirectionalLight":t={direction:new F,color:new ut};break;case"SpotLight":t={position:new F,direction:new F,color:new ut,distance:0,coneCos:0,penumbraCos:0,decay:0};break;case"PointLight":t={position:new F,color:new ut,distance:0,decay:0};break;case"HemisphereLight":t={direction:new F,skyColor:new ut,groundColor:new ut};break;case"RectAreaLight":t={color:new ut,position:new F,halfWidth:new F,halfHeight:new F};break}return i[e.id]=t,t}}}function SA(){let i={};return{get:function(e){if(i[e.id]!==void 0)return i[e.id];let t;switch(e.type){case"SunLight":case"DirectionalLight":t={shadowIntensity:1,shadowBias:0,shadowNormalBias:0,shadowRadius:1,shadowMapSize:new qe};break;case"SpotLight":t={shadowIntensity:1,shadowBias:0,shadowNormalBias:0,shadowRadius:1,shadowMapSize:new qe};break;case"PointLight":t={shadowIntensity:1,shadowBias:0,shadowNormalBias:0,shadowRadius:1,shadowMapSize:new qe,shadowCameraNear:1,shadowCameraFar:1e3};break}return i[e.id]=t,t}}}var wA=0;function AA(i,e){return(e.castShadow?2:0)-(i.castShadow?2:0)+(e.map?1:0)-(i.map?1:0)}function EA(i){let e=new MA,t=SA(),n={version:0,hash:{sunLength:-1,directionalLength:-1,pointLength:-1,spotLength:-1,rectAreaLength:-1,hemiLength:-1,numSunShadows:-1,numDirectionalShadows:-1,numPointShadows:-1,numSpotShadows:-1,numSpotMaps:-1,numLightProbes:-1},ambient:[0,0,0],probe:[],sun:[],sunShadow:[],sunShadowMap:[],sunShadowMatrix:[],sunShadowCascade:[],directional:[],directionalShadow:[],directionalShadowMap:[],directionalShadowMatrix:[],spot:[],spotLightMap:[],spotShadow:[],spotShadowMap:[],spotLightMatrix:[],rectArea:[],rectAreaLTC1:null,rectAreaLTC2:null,point:[],pointShadow:[],pointShadowMap:[],pointShadowMatrix:[],hemi:[],numSpotLightShadowsWithMaps:0,numLightProbes:0};for(let c=0;c<9;c++)n.probe.push(new F);let s=new F,r=new Xt,o=new Xt;function a(c){let h=0,u=0,f=0;for(let O=0;O<9;O++)n.probe[O].set(0,0,0);let p=0,g=0,x=0,m=0,d=0,_=0,w=0,b=0,E=0,S=0,y=0,M=0,I=0,R=0;c.sort(AA);for(let O=0,V=c.length;O<V;O++){let L=c[O],B=L.color,X=L.intensity,G=L.distance,ae=null;if(L.shadow&&L.shadow.map&&(L.shadow.map.texture.format===hr?ae=L.shadow.map.texture:ae=L.shadow.map.depthTexture||L.shadow.map.texture),L.isAmbientLight)h+=B.r*X,u+=B.g*X,f+=B.b*X;else if(L.isLightProbe){for(let Z=0;Z<9;Z++)n.probe[Z].addScaledVector(L.sh.coefficients[Z],X);R++}else if(L.isSunLight){let Z=e.get(L);if(Z.color.copy(L.color).multiplyScalar(L.intensity),L.castShadow){let j=L.shadow,ne=t.get(L);ne.shadowIntensity=j.intensity,ne.shadowBias=j.bias,ne.shadowNormalBias=j.normalBias,ne.shadowRadius=j.radius,ne.shadowMapSize.copy(j.mapSize).multiply(j.getFrameExtents()),n.sunShadow[g]=ne,n.sunShadowMap[g]=ae;let fe=j.getViewportCount();for(let ue=0;ue<fe;ue++)n.sunShadowMatrix[x+ue]=j.getMatrix(ue),n.sunShadowCascade[x+ue]=j._cascadeData[ue];x+=fe,g++}n.sun[p]=Z,p++}else if(L.isDirectionalLight){let Z=e.get(L);if(Z.color.copy(L.color).multiplyScalar(L.intensity),L.castShadow){let j=L.shadow,ne=t.get(L);ne.shadowIntensity=j.intensity,ne.shadowBias=j.bias,ne.shadowNormalBias=j.normalBias,ne.shadowRadius=j.radius,ne.shadowMapSize=j.mapSize,n.directionalShadow[m]=ne,n.directionalShadowMap[m]=ae,n.directionalShadowMatrix[m]=L.shadow.matrix,E++}n.directional[m]=Z,m++}else if(L.isSpotLight){let Z=e.get(L);Z.position.setFromMatrixPosition(L.matrixWorld),Z.color.copy(B).multiplyScalar(X),Z.distance=G,Z.coneCos=Math.cos(L.angle),Z.penumbraCos=Math.cos(L.angle*(1-L.penumbra)),Z.decay=L.decay,n.spot[_]=Z;let j=L.shadow;if(L.map&&(n.spotLightMap[M]=L.map,M++,j.updateMatrices(L),L.castShadow&&I++),n.spotLightMatrix[_]=j.matrix,L.castShadow){let ne=t.get(L);ne.shadowIntensity=j.intensity,ne.shadowBias=j.bias,ne.shadowNormalBias=j.normalBias,ne.shadowRadius=j.radius,ne.shadowMapSize=j.mapSize,n.spotShadow[_]=ne,n.spotShadowMap[_]=ae,y++}_++}else if(L.isRectAreaLight){let Z=e.get(L);Z.color.copy(B).multiplyScalar(X),Z.halfWidth.set(L.width*.5,0,0),Z.halfHeight.set(0,L.height*.5,0),n.rectArea[w]=Z,w++}else if(L.isPointLight){let Z=e.get(L);if(Z.color.copy(L.color).multiplyScalar(L.intensity),Z.distance=L.distance,Z.decay=L.decay,L.castShadow){let j=L.shadow,ne=t.get(L);ne.shadowIntensity=j.intensity,ne.shadowBias=j.bias,ne.shadowNormalBias=j.normalBias,ne.shadowRadius=j.radius,ne.shadowMapSize=j.mapSize,ne.shadowCameraNear=j.camera.near,ne.shadowCameraFar=j.camera.far,n.pointShadow[d]=ne,n.pointShadowMap[d]=ae,n.pointShadowMatrix[d]=L.shadow.matrix,S++}n.point[d]=Z,d++}else if(L.isHemisphereLight){let Z=e.get(L);Z.skyColor.copy(L.color).multiplyScalar(X),Z.groundColor.copy(L.groundColor).multiplyScalar(X),n.hemi[b]=Z,b++}}w>0&&(i.has("OES_texture_float_linear")===!0?(n.rectAreaLTC1=Le.LTC_FLOAT_1,n.rectAreaLTC2=Le.LTC_FLOAT_2):(n.rectAreaLTC1=Le.LTC_HALF_1,n.rectAreaLTC2=Le.LTC_HALF_2)),n.ambient[0]=h,n.ambient[1]=u,n.ambient[2]=f;let P=n.hash;(P.sunLength!==p||P.directionalLength!==m||P.pointLength!==d||P.spotLength!==_||P.rectAreaLength!==w||P.hemiLength!==b||P.numSunShadows!==g||P.numDirectionalShadows!==E||P.numPointShadows!==S||P.numSpotShadows!==y||P.numSpotMaps!==M||P.numLightProbes!==R)&&(n.sun.length=p,n.directional.length=m,n.spot.length=_,n.rectArea.length=w,n.point.length=d,n.hemi.length=b,n.sunShadow.length=g,n.sunShadowMap.length=g,n.sunShadowMatrix.length=x,n.sunShadowCascade.length=x,n.directionalShadow.length=E,n.directionalShadowMap.length=E,n.directionalShadowMatrix.length=E,n.pointShadow.length=S,n.pointShadowMap.length=S,n.pointShadowMatrix.length=S,n.spotShadow.length=y,n.spotShadowMap.length=y,n.spotLightMatrix.length=y+M-I,n.spotLightMap.length=M,n.numSpotLightShadowsWithMaps=I,n.numLightProbes=R,P.sunLength=p,P.directionalLength=m,P.pointLength=d,P.spotLength=_,P.rectAreaLength=w,P.hemiLength=b,P.numSunShadows=g,P.numDirectionalShadows=E,P.numPointShadows=S,P.numSpotShadows=y,P.numSpotMaps=M,P.numLightProbes=R,n.version=wA++)}function l(c,h){let u=0,f=0,p=0,g=0,x=0,m=0,d=h.matrixWorldInverse;for(let _=0,w=c.length;_<w;_++){let b=c[_];if(b.isSunLight){let E=n.sun[u];E.direction.setFromMatrixPosition(b.matrixWorld),E.direction.transformDirection(d),u++}else if(b.isDirectionalLight){let E=n.directional[f];E.direction.setFromMatrixPosition(b.matrixWorld),s.setFromMatrixPosition(b.target.matrixWorld),E.direction.sub(s),E.direction.transformDirection(d),f++}else if(b.isSpotLight){let E=n.spot[g];E.position.setFromMatrixPosition(b.matrixWorld),E.position.applyMatrix4(d),E.direction.setFromMatrixPosition(b.matrixWorld),s.setFromMatrixPosition(b.target.matrixWorld),E.direction.sub(s),E.direction.transformDirection(d),g++}else if(b.isRectAreaLight){let E=n.rectArea[x];E.position.setFromMatrixPosition(b.matrixWorld),E.position.applyMatrix4(d),o.identity(),r.copy(b.matrixWorld),r.premultiply(d),o.extractRotation(r),E.halfWidth.set(b.width*.5,0,0),E.halfHeight.set(0,b.height*.5,0),E.halfWidth.applyMatrix4(o),E.halfHeight.applyMatrix4(o),x++}else if(b.isPointLight){let E=n.point[p];E.position.setFromMatrixPosition(b.matrixWorld),E.position.applyMatrix4(d),p++}else if(b.isHemisphereLight){let E=n.hemi[m];E.direction.setFromMatrixPosition(b.matrixWorld),E.direction.transformDirection(d),m++}}}return{setup:a,setupView:l,state:n}}function X0(i){let e=new EA(i),t=[],n=[],s=[];function r(u){h.camera=u,t.length=0,n.length=0,s.length=0}function o(u){u.isLightProbeGrid?s.push(u):t.push(u)}function a(u){n.push(u)}function l(){e.setup(t),s.sort((u,f)=>u.priority-f.priority||u.id-f.id)}function c(u){e.setupView(t,u)}let h={lightsArray:t,shadowsArray:n,lightProbeGridArray:s,camera:null,lights:e,transmissionRenderTarget:{},textureUnits:0};return{init:r,state:h,setupLights:l,setupLightsView:c,pushLight:o,pushShadow:a}}function TA(i){let e=new WeakMap;function t(s,r=0){let o=e.get(s),a;return o===void 0?(a=new X0(i),e.set(s,[a])):r>=o.length?(a=new X0(i),o.push(a)):a=o[r],a}function n(){e=new WeakMap}return{get:t,dispose:n}}var CA=`void main() {
+	gl_Position = vec4( position, 1.0 );
+}`,RA=`uniform sampler2D shadow_pass;
+uniform vec2 resolution;
+uniform float radius;
+void main() {
+	const float samples = float( VSM_SAMPLES );
+	float mean = 0.0;
+	float squared_mean = 0.0;
+	float uvStride = samples <= 1.0 ? 0.0 : 2.0 / ( samples - 1.0 );
+	float uvStart = samples <= 1.0 ? 0.0 : - 1.0;
+	for ( float i = 0.0; i < samples; i ++ ) {
+		float uvOffset = uvStart + i * uvStride;
+		#ifdef HORIZONTAL_PASS
+			vec2 distribution = texture2D( shadow_pass, ( gl_FragCoord.xy + vec2( uvOffset, 0.0 ) * radius ) / resolution ).rg;
+			mean += distribution.x;
+			squared_mean += distribution.y * distribution.y + distribution.x * distribution.x;
+		#else
+			float depth = texture2D( shadow_pass, ( gl_FragCoord.xy + vec2( 0.0, uvOffset ) * radius ) / resolution ).r;
+			mean += depth;
+			squared_mean += depth * depth;
+		#endif
+	}
+	mean = mean / samples;
+	squared_mean = squared_mean / samples;
+	float std_dev = sqrt( max( 0.0, squared_mean - mean * mean ) );
+	gl_FragColor = vec4( mean, std_dev, 0.0, 1.0 );
+}`,IA=[new F(1,0,0),new F(-1,0,0),new F(0,1,0),new F(0,-1,0),new F(0,0,1),new F(0,0,-1)],PA=[new F(0,-1,0),new F(0,-1,0),new F(0,0,1),new F(0,0,-1),new F(0,-1,0),new F(0,-1,0)],$0=new Xt,il=new F,yd=new F;function LA(i,e,t){let n=new er,s=new qe,r=new qe,o=new en,a=new Fc,l=new Oc,c={},h=t.maxTextureSize,u={[cr]:ai,[ai]:cr,[Fi]:Fi},f=new ps({defines:{VSM_SAMPLES:8},uniforms:{shadow_pass:{value:null},resolution:{value:new qe},radius:{value:4}},vertexShader:CA,fragmentShader:RA}),p=f.clone();p.defines.HORIZONTAL_PASS=1;let g=new gt;g.setAttribute("position",new hn(new Float32Array([-1,-1,.5,3,-1,.5,-1,3,.5]),3));let x=new Mt(g,f),m=this;this.enabled=!1,this.autoUpdate=!0,this.needsUpdate=!1,this.type=Za;let d=this.type;this.render=function(S,y,M){if(m.enabled===!1||m.autoUpdate===!1&&m.needsUpdate===!1||S.length===0)return;this.type===kg&&(Ye("WebGLShadowMap: PCFSoftShadowMap has been removed. Using PCFShadowMap instead."),this.type=Za);let I=i.getRenderTarget(),R=i.getActiveCubeFace(),P=i.getActiveMipmapLevel(),O=i.state;O.setBlending(Dr),O.buffers.depth.getReversed()===!0?O.buffers.color.setClear(0,0,0,0):O.buffers.color.setClear(1,1,1,1),O.buffers.depth.setTest(!0),O.setScissorTest(!1);let V=d!==this.type;V&&y.traverse(function(L){L.material&&(Array.isArray(L.material)?L.material.forEach(B=>B.needsUpdate=!0):L.material.needsUpdate=!0)});for(let L=0,B=S.length;L<B;L++){let X=S[L],G=X.shadow;if(G===void 0){Ye("WebGLShadowMap:",X,"has no shadow.");continue}if(G.autoUpdate===!1&&G.needsUpdate===!1)continue;s.copy(G.mapSize);let ae=G.getFrameExtents();s.multiply(ae),r.copy(G.mapSize),(s.x>h||s.y>h)&&(s.x>h&&(r.x=Math.floor(h/ae.x),s.x=r.x*ae.x,G.mapSize.x=r.x),s.y>h&&(r.y=Math.floor(h/ae.y),s.y=r.y*ae.y,G.mapSize.y=r.y));let Z=i.state.buffers.depth.getReversed();if(G.camera._reversedDepth=Z,G.map===null||V===!0){if(G.map!==null&&(G.map.depthTexture!==null&&(G.map.depthTexture.dispose(),G.map.depthTexture=null),G.map.dispose()),this.type===zo){if(X.isPointLight){Ye("WebGLShadowMap: VSM shadow maps are not supported for PointLights. Use PCF or BasicShadowMap instead.");continue}G.map=new Ai(s.x,s.y,{format:hr,type:Qi,minFilter:ri,magFilter:ri,generateMipmaps:!1}),G.map.texture.name=X.name+".shadowMap",G.map.depthTexture=new Us(s.x,s.y,ji),G.map.depthTexture.name=X.name+".shadowMapDepth",G.map.depthTexture.format=Ls,G.map.depthTexture.compareFunction=null,G.map.depthTexture.minFilter=kn,G.map.depthTexture.magFilter=kn}else X.isPointLight?(G.map=new rl(s.x),G.map.depthTexture=new Fa(s.x,Ji)):(G.map=new Ai(s.x,s.y),G.map.depthTexture=new Us(s.x,s.y,Ji)),G.map.depthTexture.name=X.name+".shadowMap",G.map.depthTexture.format=Ls,this.type===Za?(G.map.depthTexture.compareFunction=Z?rd:sd,G.map.depthTexture.minFilter=ri,G.map.depthTexture.magFilter=ri):(G.map.depthTexture.compareFunction=null,G.map.depthTexture.minFilter=kn,G.map.depthTexture.magFilter=kn);G.camera.updateProjectionMatrix()}G.map.isWebGLCubeRenderTarget!==!0&&(G.map.width!==s.x||G.map.height!==s.y)&&G.map.setSize(s.x,s.y);let j=G.map.isWebGLCubeRenderTarget?6:G.getViewportCount();X.isPointLight!==!0&&G.updateMatrices(X,M);let ne=(G.camera.layers.mask&4294967294)!==0?G.camera.layers:M.layers;for(let fe=0;fe<j;fe++){let ue=G.getCamera(fe);if(X.isPointLight){let Q=G.camera,me=G.matrix,ge=X.distance||Q.far;ge!==Q.far&&(Q.far=ge,Q.updateProjectionMatrix()),il.setFromMatrixPosition(X.matrixWorld),Q.position.copy(il),yd.copy(Q.position),yd.add(IA[fe]),Q.up.copy(PA[fe]),Q.lookAt(yd),Q.updateMatrixWorld(),me.makeTranslation(-il.x,-il.y,-il.z),$0.multiplyMatrices(Q.projectionMatrix,Q.matrixWorldInverse),G._frustum.setFromProjectionMatrix($0,Q.coordinateSystem,Q.reversedDepth)}if(G.map.isWebGLCubeRenderTarget)i.setRenderTarget(G.map,fe),i.clear();else{fe===0&&(i.setRenderTarget(G.map),i.clear());let Q=G.getViewport(fe);o.set(r.x*Q.x,r.y*Q.y,r.x*Q.z,r.y*Q.w),O.viewport(o)}n=G.getFrustum(fe),b(y,M,ue,X,ne,this.type)}G.isPointLightShadow!==!0&&this.type===zo&&_(G,M),G.needsUpdate=!1}d=this.type,m.needsUpdate=!1,i.setRenderTarget(I,R,P)};function _(S,y){let M=e.update(x);f.defines.VSM_SAMPLES!==S.blurSamples&&(f.defines.VSM_SAMPLES=S.blurSamples,p.defines.VSM_SAMPLES=S.blurSamples,f.needsUpdate=!0,p.needsUpdate=!0),S.mapPass===null?S.mapPass=new Ai(s.x,s.y,{format:hr,type:Qi}):(S.mapPass.width!==S.map.width||S.mapPass.height!==S.map.height)&&S.mapPass.setSize(S.map.width,S.map.height),f.uniforms.shadow_pass.value=S.map.depthTexture,f.uniforms.resolution.value.set(S.map.width,S.map.height),f.uniforms.radius.value=S.radius,i.setRenderTarget(S.mapPass),i.clear(),i.renderBufferDirect(y,null,M,f,x,null),p.uniforms.shadow_pass.value=S.mapPass.texture,p.uniforms.resolution.value.set(S.map.width,S.map.height),p.uniforms.radius.value=S.radius,i.setRenderTarget(S.map),i.clear(),i.renderBufferDirect(y,null,M,p,x,null)}function w(S,y,M,I){let R=null,P=M.isPointLight===!0?S.customDistanceMaterial:S.customDepthMaterial;if(P!==void 0)R=P;else if(R=M.isPointLight===!0?l:a,i.localClippingEnabled&&y.clipShadows===!0&&Array.isArray(y.clippingPlanes)&&y.clippingPlanes.length!==0||y.displacementMap&&y.displacementScale!==0||y.alphaMap&&y.alphaTest>0||y.map&&y.alphaTest>0||y.alphaToCoverage===!0){let O=R.uuid,V=y.uuid,L=c[O];L===void 0&&(L={},c[O]=L);let B=L[V];B===void 0&&(B=R.clone(),L[V]=B,y.addEventListener("dispose",E)),R=B}if(R.visible=y.visible,R.wireframe=y.wireframe,I===zo?R.side=y.shadowSide!==null?y.shadowSide:y.side:R.side=y.shadowSide!==null?y.shadowSide:u[y.side],R.alphaMap=y.alphaMap,R.alphaTest=y.alphaToCoverage===!0?.5:y.alphaTest,R.map=y.map,R.clipShadows=y.clipShadows,R.clippingPlanes=y.clippingPlanes,R.clipIntersection=y.clipIntersection,R.displacementMap=y.displacementMap,R.displacementScale=y.displacementScale,R.displacementBias=y.displacementBias,R.wireframeLinewidth=y.wireframeLinewidth,R.linewidth=y.linewidth,M.isPointLight===!0&&R.isMeshDistanceMaterial===!0){let O=i.properties.get(R);O.light=M}return R}function b(S,y,M,I,R,P){if(S.visible===!1)return;if(S.layers.test(R)&&(S.isMesh||S.isLine||S.isPoints)&&(S.castShadow||S.receiveShadow&&P===zo)&&(!S.frustumCulled||S.intersectsFrustum(n))){S.modelViewMatrix.multiplyMatrices(M.matrixWorldInverse,S.matrixWorld);let L=e.update(S),B=S.material;if(Array.isArray(B)){let X=L.groups;for(let G=0,ae=X.length;G<ae;G++){let Z=X[G],j=B[Z.materialIndex];if(j&&j.visible){let ne=w(S,j,I,P);S.onBeforeShadow(i,S,y,M,L,ne,Z),i.renderBufferDirect(M,null,L,ne,S,Z),S.onAfterShadow(i,S,y,M,L,ne,Z)}}}else if(B.visible){let X=w(S,B,I,P);S.onBeforeShadow(i,S,y,M,L,X,null),i.renderBufferDirect(M,null,L,X,S,null),S.onAfterShadow(i,S,y,M,L,X,null)}}let V=S.children;for(let L=0,B=V.length;L<B;L++)b(V[L],y,M,I,R,P)}function E(S){S.target.removeEventListener("dispose",E);for(let M in c){let I=c[M],R=S.target.uuid;R in I&&(I[R].dispose(),delete I[R])}}}function DA(i,e){function t(){let k=!1,se=new en,te=null,Ae=new en(0,0,0,0);return{setMask:function(xe){te!==xe&&!k&&(i.colorMask(xe,xe,xe,xe),te=xe)},setLocked:function(xe){k=xe},setClear:function(xe,Se,We,je,ce){ce===!0&&(xe*=je,Se*=je,We*=je),se.set(xe,Se,We,je),Ae.equals(se)===!1&&(i.clearColor(xe,Se,We,je),Ae.copy(se))},reset:function(){k=!1,te=null,Ae.set(-1,0,0,0)}}}function n(){let k=!1,se=!1,te=null,Ae=null,xe=null;return{setReversed:function(Se){if(se!==Se){let We=e.get("EXT_clip_control");Se?We.clipControlEXT(We.LOWER_LEFT_EXT,We.ZERO_TO_ONE_EXT):We.clipControlEXT(We.LOWER_LEFT_EXT,We.NEGATIVE_ONE_TO_ONE_EXT),se=Se;let je=xe;xe=null,this.setClear(je)}},getReversed:function(){return se},setTest:function(Se){Se?_e(i.DEPTH_TEST):He(i.DEPTH_TEST)},setMask:function(Se){te!==Se&&!k&&(i.depthMask(Se),te=Se)},setFunc:function(Se){if(se&&(Se=x0[Se]),Ae!==Se){switch(Se){case _c:i.depthFunc(i.NEVER);break;case yc:i.depthFunc(i.ALWAYS);break;case xc:i.depthFunc(i.LESS);break;case Ro:i.depthFunc(i.LEQUAL);break;case vc:i.depthFunc(i.EQUAL);break;case bc:i.depthFunc(i.GEQUAL);break;case Mc:i.depthFunc(i.GREATER);break;case Sc:i.depthFunc(i.NOTEQUAL);break;default:i.depthFunc(i.LEQUAL)}Ae=Se}},setLocked:function(Se){k=Se},setClear:function(Se){xe!==Se&&(xe=Se,se&&(Se=1-Se),i.clearDepth(Se))},reset:function(){k=!1,te=null,Ae=null,xe=null,se=!1}}}function s(){let k=!1,se=null,te=null,Ae=null,xe=null,Se=null,We=null,je=null,ce=null;return{setTest:function(ke){k||(ke?_e(i.STENCIL_TEST):He(i.STENCIL_TEST))},setMask:function(ke){se!==ke&&!k&&(i.stencilMask(ke),se=ke)},setFunc:function(ke,Qe,Ce){(te!==ke||Ae!==Qe||xe!==Ce)&&(i.stencilFunc(ke,Qe,Ce),te=ke,Ae=Qe,xe=Ce)},setOp:function(ke,Qe,Ce){(Se!==ke||We!==Qe||je!==Ce)&&(i.stencilOp(ke,Qe,Ce),Se=ke,We=Qe,je=Ce)},setLocked:function(ke){k=ke},setClear:function(ke){ce!==ke&&(i.clearStencil(ke),ce=ke)},reset:function(){k=!1,se=null,te=null,Ae=null,xe=null,Se=null,We=null,je=null,ce=null}}}let r=new t,o=new n,a=new s,l={},c=new WeakMap,h={},u={},f={},p=new WeakMap,g=[],x=null,m=!1,d=null,_=null,w=null,b=null,E=null,S=null,y=null,M=new ut(0,0,0),I=0,R=!1,P=null,O=null,V=null,L=null,B=null,X=i.getParameter(i.MAX_COMBINED_TEXTURE_IMAGE_UNITS),G=!1,ae=0,Z=i.getParameter(i.VERSION);Z.indexOf("WebGL")!==-1?(ae=parseFloat(/^WebGL (\d)/.exec(Z)[1]),G=ae>=1):Z.indexOf("OpenGL ES")!==-1&&(ae=parseFloat(/^OpenGL ES (\d)/.exec(Z)[1]),G=ae>=2);let j=null,ne={},fe=i.getParameter(i.SCISSOR_BOX),ue=i.getParameter(i.VIEWPORT),Q=new en().fromArray(fe),me=new en().fromArray(ue);function ge(k,se,te,Ae){let xe=new Uint8Array(4),Se=i.createTexture();i.bindTexture(k,Se),i.texParameteri(k,i.TEXTURE_MIN_FILTER,i.NEAREST),i.texParameteri(k,i.TEXTURE_MAG_FILTER,i.NEAREST);for(let We=0;We<te;We++)k===i.TEXTURE_3D||k===i.TEXTURE_2D_ARRAY?i.texImage3D(se,0,i.RGBA,1,1,Ae,0,i.RGBA,i.UNSIGNED_BYTE,xe):i.texImage2D(se+We,0,i.RGBA,1,1,0,i.RGBA,i.UNSIGNED_BYTE,xe);return Se}let ye={};ye[i.TEXTURE_2D]=ge(i.TEXTURE_2D,i.TEXTURE_2D,1),ye[i.TEXTURE_CUBE_MAP]=ge(i.TEXTURE_CUBE_MAP,i.TEXTURE_CUBE_MAP_POSITIVE_X,6),ye[i.TEXTURE_2D_ARRAY]=ge(i.TEXTURE_2D_ARRAY,i.TEXTURE_2D_ARRAY,1,1),ye[i.TEXTURE_3D]=ge(i.TEXTURE_3D,i.TEXTURE_3D,1,1),r.setClear(0,0,0,1),o.setClear(1),a.setClear(0),_e(i.DEPTH_TEST),o.setFunc(Ro),gn(!1),kt(Of),_e(i.CULL_FACE),jt(Dr);function _e(k){h[k]!==!0&&(i.enable(k),h[k]=!0)}function He(k){h[k]!==!1&&(i.disable(k),h[k]=!1)}function Ke(k,se){return f[k]!==se?(i.bindFramebuffer(k,se),f[k]=se,k===i.DRAW_FRAMEBUFFER&&(f[i.FRAMEBUFFER]=se),k===i.FRAMEBUFFER&&(f[i.DRAW_FRAMEBUFFER]=se),!0):!1}function Oe(k,se){let te=g,Ae=!1;if(k){te=p.get(se),te===void 0&&(te=[],p.set(se,te));let xe=k.textures;if(te.length!==xe.length||te[0]!==i.COLOR_ATTACHMENT0){for(let Se=0,We=xe.length;Se<We;Se++)te[Se]=i.COLOR_ATTACHMENT0+Se;te.length=xe.length,Ae=!0}}else te[0]!==i.BACK&&(te[0]=i.BACK,Ae=!0);Ae&&i.drawBuffers(te)}function it(k){return x!==k?(i.useProgram(k),x=k,!0):!1}let at={[Nr]:i.FUNC_ADD,[Vg]:i.FUNC_SUBTRACT,[Hg]:i.FUNC_REVERSE_SUBTRACT};at[Gg]=i.MIN,at[Wg]=i.MAX;let st={[Xg]:i.ZERO,[$g]:i.ONE,[qg]:i.SRC_COLOR,[Vf]:i.SRC_ALPHA,[Qg]:i.SRC_ALPHA_SATURATE,[Jg]:i.DST_COLOR,[Zg]:i.DST_ALPHA,[Yg]:i.ONE_MINUS_SRC_COLOR,[Hf]:i.ONE_MINUS_SRC_ALPHA,[jg]:i.ONE_MINUS_DST_COLOR,[Kg]:i.ONE_MINUS_DST_ALPHA,[e0]:i.CONSTANT_COLOR,[t0]:i.ONE_MINUS_CONSTANT_COLOR,[n0]:i.CONSTANT_ALPHA,[i0]:i.ONE_MINUS_CONSTANT_ALPHA};function jt(k,se,te,Ae,xe,Se,We,je,ce,ke){if(k===Dr){m===!0&&(He(i.BLEND),m=!1);return}if(m===!1&&(_e(i.BLEND),m=!0),k!==zg){if(k!==d||ke!==R){if((_!==Nr||E!==Nr)&&(i.blendEquation(i.FUNC_ADD),_=Nr,E=Nr),ke)switch(k){case Vo:i.blendFuncSeparate(i.ONE,i.ONE_MINUS_SRC_ALPHA,i.ONE,i.ONE_MINUS_SRC_ALPHA);break;case Bf:i.blendFunc(i.ONE,i.ONE);break;case kf:i.blendFuncSeparate(i.ZERO,i.ONE_MINUS_SRC_COLOR,i.ZERO,i.ONE);break;case zf:i.blendFuncSeparate(i.DST_COLOR,i.ONE_MINUS_SRC_ALPHA,i.ZERO,i.ONE);break;default:et("WebGLState: Invalid blending: ",k);break}else switch(k){case Vo:i.blendFuncSeparate(i.SRC_ALPHA,i.ONE_MINUS_SRC_ALPHA,i.ONE,i.ONE_MINUS_SRC_ALPHA);break;case Bf:i.blendFuncSeparate(i.SRC_ALPHA,i.ONE,i.ONE,i.ONE);break;case kf:et("WebGLState: SubtractiveBlending requires material.premultipliedAlpha = true");break;case zf:et("WebGLState: MultiplyBlending requires material.premultipliedAlpha = true");break;default:et("WebGLState: Invalid blending: ",k);break}w=null,b=null,S=null,y=null,M.set(0,0,0),I=0,d=k,R=ke}return}xe=xe||se,Se=Se||te,We=We||Ae,(se!==_||xe!==E)&&(i.blendEquationSeparate(at[se],at[xe]),_=se,E=xe),(te!==w||Ae!==b||Se!==S||We!==y)&&(i.blendFuncSeparate(st[te],st[Ae],st[Se],st[We]),w=te,b=Ae,S=Se,y=We),(je.equals(M)===!1||ce!==I)&&(i.blendColor(je.r,je.g,je.b,ce),M.copy(je),I=ce),d=k,R=!1}function Wt(k,se){k.side===Fi?He(i.CULL_FACE):_e(i.CULL_FACE);let te=k.side===ai;se&&(te=!te),gn(te),k.blending===Vo&&k.transparent===!1?jt(Dr):jt(k.blending,k.blendEquation,k.blendSrc,k.blendDst,k.blendEquationAlpha,k.blendSrcAlpha,k.blendDstAlpha,k.blendColor,k.blendAlpha,k.premultipliedAlpha),o.setFunc(k.depthFunc),o.setTest(k.depthTest),o.setMask(k.depthWrite),r.setMask(k.colorWrite);let Ae=k.stencilWrite;a.setTest(Ae),Ae&&(a.setMask(k.stencilWriteMask),a.setFunc(k.stencilFunc,k.stencilRef,k.stencilFuncMask),a.setOp(k.stencilFail,k.stencilZFail,k.stencilZPass)),bt(k.polygonOffset,k.polygonOffsetFactor,k.polygonOffsetUnits),k.alphaToCoverage===!0?_e(i.SAMPLE_ALPHA_TO_COVERAGE):He(i.SAMPLE_ALPHA_TO_COVERAGE)}function gn(k){P!==k&&(k?i.frontFace(i.CW):i.frontFace(i.CCW),P=k)}function kt(k){k!==Og?(_e(i.CULL_FACE),k!==O&&(k===Of?i.cullFace(i.BACK):k===Bg?i.cullFace(i.FRONT):i.cullFace(i.FRONT_AND_BACK))):He(i.CULL_FACE),O=k}function Dn(k){k!==V&&(G&&i.lineWidth(k),V=k)}function bt(k,se,te){k?(_e(i.POLYGON_OFFSET_FILL),(L!==se||B!==te)&&(L=se,B=te,o.getReversed()&&(se=-se,te=-te),i.polygonOffset(se,te))):He(i.POLYGON_OFFSET_FILL)}function En(k){k?_e(i.SCISSOR_TEST):He(i.SCISSOR_TEST)}function rn(k){k===void 0&&(k=i.TEXTURE0+X-1),j!==k&&(i.activeTexture(k),j=k)}function _n(k,se,te){te===void 0&&(j===null?te=i.TEXTURE0+X-1:te=j);let Ae=ne[te];Ae===void 0&&(Ae={type:void 0,texture:void 0},ne[te]=Ae),(Ae.type!==k||Ae.texture!==se)&&(j!==te&&(i.activeTexture(te),j=te),i.bindTexture(k,se||ye[k]),Ae.type=k,Ae.texture=se)}function z(){let k=ne[j];k!==void 0&&k.type!==void 0&&(i.bindTexture(k.type,null),k.type=void 0,k.texture=void 0)}function Re(){try{i.compressedTexImage2D(...arguments)}catch(k){et("WebGLState:",k)}}function Ze(){try{i.compressedTexImage3D(...arguments)}catch(k){et("WebGLState:",k)}}function ot(){try{i.texSubImage2D(...arguments)}catch(k){et("WebGLState:",k)}}function we(){try{i.texSubImage3D(...arguments)}catch(k){et("WebGLState:",k)}}function Vt(){try{i.compressedTexSubImage2D(...arguments)}catch(k){et("WebGLState:",k)}}function Ge(){try{i.compressedTexSubImage3D(...arguments)}catch(k){et("WebGLState:",k)}}function $e(){try{i.texStorage2D(...arguments)}catch(k){et("WebGLState:",k)}}function D(){try{i.texStorage3D(...arguments)}catch(k){et("WebGLState:",k)}}function A(){try{i.texImage2D(...arguments)}catch(k){et("WebGLState:",k)}}function $(){try{i.texImage3D(...arguments)}catch(k){et("WebGLState:",k)}}function he(k){return u[k]!==void 0?u[k]:i.getParameter(k)}function re(k,se){u[k]!==se&&(i.pixelStorei(k,se),u[k]=se)}function ve(k){Q.equals(k)===!1&&(i.scissor(k.x,k.y,k.z,k.w),Q.copy(k))}function be(k){me.equals(k)===!1&&(i.viewport(k.x,k.y,k.z,k.w),me.copy(k))}function ee(k,se){let te=c.get(se);te===void 0&&(te=new WeakMap,c.set(se,te));let Ae=te.get(k);Ae===void 0&&(Ae=i.getUniformBlockIndex(se,k.name),i.uniformBlockBinding(se,Ae,Ae),te.set(k,Ae))}function ie(k,se,te){let xe=c.get(se).get(k);l[xe]!==te&&(i.bindBufferBase(i.UNIFORM_BUFFER,xe,te),l[xe]=te)}function pe(){i.disable(i.BLEND),i.disable(i.CULL_FACE),i.disable(i.DEPTH_TEST),i.disable(i.POLYGON_OFFSET_FILL),i.disable(i.SCISSOR_TEST),i.disable(i.STENCIL_TEST),i.disable(i.SAMPLE_ALPHA_TO_COVERAGE),i.blendEquation(i.FUNC_ADD),i.blendFunc(i.ONE,i.ZERO),i.blendFuncSeparate(i.ONE,i.ZERO,i.ONE,i.ZERO),i.blendColor(0,0,0,0),i.colorMask(!0,!0,!0,!0),i.clearColor(0,0,0,0),i.depthMask(!0),i.depthFunc(i.LESS),o.setReversed(!1),i.clearDepth(1),i.stencilMask(4294967295),i.stencilFunc(i.ALWAYS,0,4294967295),i.stencilOp(i.KEEP,i.KEEP,i.KEEP),i.clearStencil(0),i.cullFace(i.BACK),i.frontFace(i.CCW),i.polygonOffset(0,0),i.activeTexture(i.TEXTURE0),i.bindFramebuffer(i.FRAMEBUFFER,null),i.bindFramebuffer(i.DRAW_FRAMEBUFFER,null),i.bindFramebuffer(i.READ_FRAMEBUFFER,null),i.useProgram(null),i.lineWidth(1),i.scissor(0,0,i.canvas.width,i.canvas.height),i.viewport(0,0,i.canvas.width,i.canvas.height),i.pixelStorei(i.PACK_ALIGNMENT,4),i.pixelStorei(i.UNPACK_ALIGNMENT,4),i.pixelStorei(i.UNPACK_FLIP_Y_WEBGL,!1),i.pixelStorei(i.UNPACK_PREMULTIPLY_ALPHA_WEBGL,!1),i.pixelStorei(i.UNPACK_COLORSPACE_CONVERSION_WEBGL,i.BROWSER_DEFAULT_WEBGL),i.pixelStorei(i.PACK_ROW_LENGTH,0),i.pixelStorei(i.PACK_SKIP_PIXELS,0),i.pixelStorei(i.PACK_SKIP_ROWS,0),i.pixelStorei(i.UNPACK_ROW_LENGTH,0),i.pixelStorei(i.UNPACK_IMAGE_HEIGHT,0),i.pixelStorei(i.UNPACK_SKIP_PIXELS,0),i.pixelStorei(i.UNPACK_SKIP_ROWS,0),i.pixelStorei(i.UNPACK_SKIP_IMAGES,0),h={},u={},j=null,ne={},f={},l={},p=new WeakMap,g=[],x=null,m=!1,d=null,_=null,w=null,b=null,E=null,S=null,y=null,M=new ut(0,0,0),I=0,R=!1,P=null,O=null,V=null,L=null,B=null,Q.set(0,0,i.canvas.width,i.canvas.height),me.set(0,0,i.canvas.width,i.canvas.height),r.reset(),o.reset(),a.reset()}return{buffers:{color:r,depth:o,stencil:a},enable:_e,disable:He,bindFramebuffer:Ke,drawBuffers:Oe,useProgram:it,setBlending:jt,setMaterial:Wt,setFlipSided:gn,setCullFace:kt,setLineWidth:Dn,setPolygonOffset:bt,setScissorTest:En,activeTexture:rn,bindTexture:_n,unbindTexture:z,compressedTexImage2D:Re,compressedTexImage3D:Ze,texImage2D:A,texImage3D:$,pixelStorei:re,getParameter:he,updateUBOMapping:ee,uniformBlockBinding:ie,texStorage2D:$e,texStorage3D:D,texSubImage2D:ot,texSubImage3D:we,compressedTexSubImage2D:Vt,compressedTexSubImage3D:Ge,scissor:ve,viewport:be,reset:pe}}function NA(i,e,t,n,s,r,o){let a=e.has("WEBGL_multisampled_render_to_texture")?e.get("WEBGL_multisampled_render_to_texture"):null,l=typeof navigator>"u"?!1:/OculusBrowser/g.test(navigator.userAgent),c=new qe,h=new WeakMap,u=new Set,f,p=new WeakMap,g=new Set,x=new FinalizationRegistry(D=>g.delete(D)),m=!1;try{m=typeof OffscreenCanvas<"u"&&new OffscreenCanvas(1,1).getContext("2d")!==null}catch{}function d(D,A){return m?new OffscreenCanvas(D,A):Ra("canvas")}function _(D,A,$){let he=1,re=$e(D);if((re.width>$||re.height>$)&&(he=$/Math.max(re.width,re.height)),he<1)if(typeof HTMLImageElement<"u"&&D instanceof HTMLImageElement||typeof HTMLCanvasElement<"u"&&D instanceof HTMLCanvasElement||typeof ImageBitmap<"u"&&D instanceof ImageBitmap||typeof VideoFrame<"u"&&D instanceof VideoFrame){let ve=Math.floor(he*re.width),be=Math.floor(he*re.height);f===void 0&&(f=d(ve,be));let ee=A?d(ve,be):f;return ee.width=ve,ee.height=be,ee.getContext("2d").drawImage(D,0,0,ve,be),Ye("WebGLRenderer: Texture has been resized from ("+re.width+"x"+re.height+") to ("+ve+"x"+be+")."),ee}else return"data"in D&&Ye("WebGLRenderer: Image in DataTexture is too big ("+re.width+"x"+re.height+")."),D;return D}function w(D){return D.generateMipmaps}function b(D){i.generateMipmap(D)}function E(D){return D.isWebGLCubeRenderTarget?i.TEXTURE_CUBE_MAP:D.isWebGL3DRenderTarget?i.TEXTURE_3D:D.isWebGLArrayRenderTarget||D.isCompressedArrayTexture?i.TEXTURE_2D_ARRAY:i.TEXTURE_2D}function S(D,A,$,he,re,ve=!1){if(D!==null){if(i[D]!==void 0)return i[D];Ye("WebGLRenderer: Attempt to use non-existing WebGL internal format '"+D+"'")}let be;he&&(be=e.get("EXT_texture_norm16"),be||Ye("WebGLRenderer: Unable to use normalized textures without EXT_texture_norm16 extension"));let ee=A;if(A===i.RED&&($===i.FLOAT&&(ee=i.R32F),$===i.HALF_FLOAT&&(ee=i.R16F),$===i.UNSIGNED_BYTE&&(ee=i.R8),$===i.UNSIGNED_SHORT&&be&&(ee=be.R16_EXT),$===i.SHORT&&be&&(ee=be.R16_SNORM_EXT)),A===i.RED_INTEGER&&($===i.UNSIGNED_BYTE&&(ee=i.R8UI),$===i.UNSIGNED_SHORT&&(ee=i.R16UI),$===i.UNSIGNED_INT&&(ee=i.R32UI),$===i.BYTE&&(ee=i.R8I),$===i.SHORT&&(ee=i.R16I),$===i.INT&&(ee=i.R32I)),A===i.RG&&($===i.FLOAT&&(ee=i.RG32F),$===i.HALF_FLOAT&&(ee=i.RG16F),$===i.UNSIGNED_BYTE&&(ee=i.RG8),$===i.UNSIGNED_SHORT&&be&&(ee=be.RG16_EXT),$===i.SHORT&&be&&(ee=be.RG16_SNORM_EXT)),A===i.RG_INTEGER&&($===i.UNSIGNED_BYTE&&(ee=i.RG8UI),$===i.UNSIGNED_SHORT&&(ee=i.RG16UI),$===i.UNSIGNED_INT&&(ee=i.RG32UI),$===i.BYTE&&(ee=i.RG8I),$===i.SHORT&&(ee=i.RG16I),$===i.INT&&(ee=i.RG32I)),A===i.RGB_INTEGER&&($===i.UNSIGNED_BYTE&&(ee=i.RGB8UI),$===i.UNSIGNED_SHORT&&(ee=i.RGB16UI),$===i.UNSIGNED_INT&&(ee=i.RGB32UI),$===i.BYTE&&(ee=i.RGB8I),$===i.SHORT&&(ee=i.RGB16I),$===i.INT&&(ee=i.RGB32I)),A===i.RGBA_INTEGER&&($===i.UNSIGNED_BYTE&&(ee=i.RGBA8UI),$===i.UNSIGNED_SHORT&&(ee=i.RGBA16UI),$===i.UNSIGNED_INT&&(ee=i.RGBA32UI),$===i.BYTE&&(ee=i.RGBA8I),$===i.SHORT&&(ee=i.RGBA16I),$===i.INT&&(ee=i.RGBA32I)),A===i.RGB&&($===i.UNSIGNED_SHORT&&be&&(ee=be.RGB16_EXT),$===i.SHORT&&be&&(ee=be.RGB16_SNORM_EXT),$===i.UNSIGNED_INT_5_9_9_9_REV&&(ee=i.RGB9_E5),$===i.UNSIGNED_INT_10F_11F_11F_REV&&(ee=i.R11F_G11F_B10F)),A===i.RGBA){let ie=ve?Ca:vt.getTransfer(re);$===i.FLOAT&&(ee=i.RGBA32F),$===i.HALF_FLOAT&&(ee=i.RGBA16F),$===i.UNSIGNED_BYTE&&(ee=ie===Nt?i.SRGB8_ALPHA8:i.RGBA8),$===i.UNSIGNED_SHORT&&be&&(ee=be.RGBA16_EXT),$===i.SHORT&&be&&(ee=be.RGBA16_SNORM_EXT),$===i.UNSIGNED_SHORT_4_4_4_4&&(ee=i.RGBA4),$===i.UNSIGNED_SHORT_5_5_5_1&&(ee=i.RGB5_A1)}return(ee===i.R16F||ee===i.R32F||ee===i.RG16F||ee===i.RG32F||ee===i.RGBA16F||ee===i.RGBA32F)&&e.get("EXT_color_buffer_float"),ee}function y(D,A){let $;return D?A===null||A===Ji||A===Fr?$=i.DEPTH24_STENCIL8:A===ji?$=i.DEPTH32F_STENCIL8:A===Go&&($=i.DEPTH24_STENCIL8,Ye("DepthTexture: 16 bit depth attachment is not supported with stencil. Using 24-bit attachment.")):A===null||A===Ji||A===Fr?$=i.DEPTH_COMPONENT24:A===ji?$=i.DEPTH_COMPONENT32F:A===Go&&($=i.DEPTH_COMPONENT16),$}function M(D,A){return w(D)===!0||D.isFramebufferTexture&&D.minFilter!==kn&&D.minFilter!==ri?Math.log2(Math.max(A.width,A.height))+1:D.mipmaps.length>0?D.mipmaps.length:D.isCompressedTexture&&Array.isArray(D.image)?A.mipmaps.length:1}function I(D){let A=new WeakRef(D);n.get(D).__ref=A,g.add(A),x.register(D,A,A)}function R(D){let A=n.get(D).__ref;A!==void 0&&(g.delete(A),x.unregister(A))}function P(D){V(D.target)}function O(D){L(D.target)}function V(D){D.removeEventListener("dispose",P),R(D),X(D),D.isVideoTexture&&h.delete(D),D.isHTMLTexture&&u.delete(D)}function L(D){D.removeEventListener("dispose",O),R(D),ae(D)}function B(){for(let D of g){let A=D.deref();A!==void 0&&(A.isRenderTarget===!0?L(A):V(A))}g.clear(),u.clear()}function X(D){let A=n.get(D);if(A.__webglInit===void 0)return;let $=D.source,he=p.get($);if(he){let re=he[A.__cacheKey];re.usedTimes--,re.usedTimes===0&&G(D),Object.keys(he).length===0&&p.delete($)}n.remove(D)}function G(D){let A=n.get(D);i.deleteTexture(A.__webglTexture);let $=D.source,he=p.get($);delete he[A.__cacheKey],o.memory.textures--}function ae(D){let A=n.get(D);A.__depthDisposeCallback&&A.__depthDisposeCallback();let $=D.depthTexture;if($&&$.renderTarget===D&&V($),D.isWebGLCubeRenderTarget)for(let re=0;re<6;re++){if(Array.isArray(A.__webglFramebuffer[re]))for(let ve=0;ve<A.__webglFramebuffer[re].length;ve++)i.deleteFramebuffer(A.__webglFramebuffer[re][ve]);else i.deleteFramebuffer(A.__webglFramebuffer[re]);A.__webglDepthbuffer&&i.deleteRenderbuffer(A.__webglDepthbuffer[re])}else{if(Array.isArray(A.__webglFramebuffer))for(let re=0;re<A.__webglFramebuffer.length;re++)i.deleteFramebuffer(A.__webglFramebuffer[re]);else i.deleteFramebuffer(A.__webglFramebuffer);if(A.__webglDepthbuffer&&i.deleteRenderbuffer(A.__webglDepthbuffer),A.__webglMultisampledFramebuffer&&i.deleteFramebuffer(A.__webglMultisampledFramebuffer),A.__webglColorRenderbuffer)for(let re=0;re<A.__webglColorRenderbuffer.length;re++)A.__webglColorRenderbuffer[re]&&i.deleteRenderbuffer(A.__webglColorRenderbuffer[re]);A.__webglDepthRenderbuffer&&i.deleteRenderbuffer(A.__webglDepthRenderbuffer)}let he=D.textures;for(let re=0,ve=he.length;re<ve;re++){let be=n.get(he[re]);be.__webglTexture&&(i.deleteTexture(be.__webglTexture),o.memory.textures--),n.remove(he[re])}n.remove(D)}let Z=0;function j(){Z=0}function ne(){return Z}function fe(D){Z=D}function ue(){let D=Z;return D>=s.maxTextures&&Ye("WebGLTextures: Trying to use "+(D+1)+" texture units while this GPU supports only "+s.maxTextures),Z+=1,D}function Q(D){let A=[];return A.push(D.wrapS),A.push(D.wrapT),A.push(D.wrapR||0),A.push(D.magFilter),A.push(D.minFilter),A.push(D.anisotropy),A.push(D.internalFormat),A.push(D.format),A.push(D.type),A.push(D.generateMipmaps),A.push(D.mipmapsAutoUpdate),A.push(D.premultiplyAlpha),A.push(D.flipY),A.push(D.unpackAlignment),A.push(D.colorSpace),A.join()}function me(D,A){let $=n.get(D);if(D.isVideoTexture&&Vt(D),D.isRenderTargetTexture===!1&&D.isExternalTexture!==!0&&D.version>0&&$.__version!==D.version){let he=D.image;if(he===null)Ye("WebGLRenderer: Texture marked for update but no image data found.");else if(he.complete===!1)Ye("WebGLRenderer: Texture marked for update but image is incomplete");else{Wt($,D,A);return}}else D.isExternalTexture&&($.__webglTexture=D.sourceTexture?D.sourceTexture:null);t.bindTexture(i.TEXTURE_2D,$.__webglTexture,i.TEXTURE0+A)}function ge(D,A){let $=n.get(D);if(D.isRenderTargetTexture===!1&&D.version>0&&$.__version!==D.version){Wt($,D,A);return}else D.isExternalTexture&&($.__webglTexture=D.sourceTexture?D.sourceTexture:null);t.bindTexture(i.TEXTURE_2D_ARRAY,$.__webglTexture,i.TEXTURE0+A)}function ye(D,A){let $=n.get(D);if(D.isRenderTargetTexture===!1&&D.version>0&&$.__version!==D.version){Wt($,D,A);return}t.bindTexture(i.TEXTURE_3D,$.__webglTexture,i.TEXTURE0+A)}function _e(D,A){let $=n.get(D);if(D.version>0&&$.__version!==D.version){gn($,D,A);return}t.bindTexture(i.TEXTURE_CUBE_MAP,$.__webglTexture,i.TEXTURE0+A)}let He={[wc]:i.REPEAT,[fs]:i.CLAMP_TO_EDGE,[Ac]:i.MIRRORED_REPEAT},Ke={[kn]:i.NEAREST,[o0]:i.NEAREST_MIPMAP_NEAREST,[Ka]:i.NEAREST_MIPMAP_LINEAR,[ri]:i.LINEAR,[Qc]:i.LINEAR_MIPMAP_NEAREST,[Fs]:i.LINEAR_MIPMAP_LINEAR},Oe={[h0]:i.NEVER,[od]:i.ALWAYS,[u0]:i.LESS,[sd]:i.LEQUAL,[f0]:i.EQUAL,[rd]:i.GEQUAL,[d0]:i.GREATER,[p0]:i.NOTEQUAL};function it(D,A){if(A.type===ji&&e.has("OES_texture_float_linear")===!1&&(A.magFilter===ri||A.magFilter===Qc||A.magFilter===Ka||A.magFilter===Fs||A.minFilter===ri||A.minFilter===Qc||A.minFilter===Ka||A.minFilter===Fs)&&Ye("WebGLRenderer: Unable to use linear filtering with floating point textures. OES_texture_float_linear not supported on this device."),i.texParameteri(D,i.TEXTURE_WRAP_S,He[A.wrapS]),i.texParameteri(D,i.TEXTURE_WRAP_T,He[A.wrapT]),(D===i.TEXTURE_3D||D===i.TEXTURE_2D_ARRAY)&&i.texParameteri(D,i.TEXTURE_WRAP_R,He[A.wrapR]),i.texParameteri(D,i.TEXTURE_MAG_FILTER,Ke[A.magFilter]),i.texParameteri(D,i.TEXTURE_MIN_FILTER,Ke[A.minFilter]),A.compareFunction&&(i.texParameteri(D,i.TEXTURE_COMPARE_MODE,i.COMPARE_REF_TO_TEXTURE),i.texParameteri(D,i.TEXTURE_COMPARE_FUNC,Oe[A.compareFunction])),e.has("EXT_texture_filter_anisotropic")===!0){if(A.magFilter===kn||A.minFilter!==Ka&&A.minFilter!==Fs||A.type===ji&&e.has("OES_texture_float_linear")===!1)return;if(A.anisotropy>1||n.get(A).__currentAnisotropy){let $=e.get("EXT_texture_filter_anisotropic");i.texParameterf(D,$.TEXTURE_MAX_ANISOTROPY_EXT,Math.min(A.anisotropy,s.getMaxAnisotropy())),n.get(A).__currentAnisotropy=A.anisotropy}}}function at(D,A){let $=!1;D.__webglInit===void 0&&(D.__webglInit=!0,A.addEventListener("dispose",P),I(A));let he=A.source,re=p.get(he);re===void 0&&(re={},p.set(he,re));let ve=Q(A);if(ve!==D.__cacheKey){re[ve]===void 0&&(re[ve]={texture:i.createTexture(),usedTimes:0},o.memory.textures++,$=!0),re[ve].usedTimes++;let be=re[D.__cacheKey];be!==void 0&&(re[D.__cacheKey].usedTimes--,be.usedTimes===0&&G(A)),D.__cacheKey=ve,D.__webglTexture=re[ve].texture}return $}function st(D,A,$){return Math.floor(Math.floor(D/$)/A)}function jt(D,A,$,he){let ve=D.updateRanges;if(ve.length===0)t.texSubImage2D(i.TEXTURE_2D,0,0,0,A.width,A.height,$,he,A.data);else{ve.sort((k,se)=>k.start-se.start);let be=0;for(let k=1;k<ve.length;k++){let se=ve[be],te=ve[k],Ae=se.start+se.count,xe=st(te.start,A.width,4),Se=st(se.start,A.width,4);te.start<=Ae+1&&xe===Se&&st(te.start+te.count-1,A.width,4)===xe?se.count=Math.max(se.count,te.start+te.count-se.start):(++be,ve[be]=te)}ve.length=be+1;let ee=t.getParameter(i.UNPACK_ROW_LENGTH),ie=t.getParameter(i.UNPACK_SKIP_PIXELS),pe=t.getParameter(i.UNPACK_SKIP_ROWS);t.pixelStorei(i.UNPACK_ROW_LENGTH,A.width);for(let k=0,se=ve.length;k<se;k++){let te=ve[k],Ae=Math.floor(te.start/4),xe=Math.ceil(te.count/4),Se=Ae%A.width,We=Math.floor(Ae/A.width),je=xe,ce=1;t.pixelStorei(i.UNPACK_SKIP_PIXELS,Se),t.pixelStorei(i.UNPACK_SKIP_ROWS,We),t.texSubImage2D(i.TEXTURE_2D,0,Se,We,je,ce,$,he,A.data)}D.clearUpdateRanges(),t.pixelStorei(i.UNPACK_ROW_LENGTH,ee),t.pixelStorei(i.UNPACK_SKIP_PIXELS,ie),t.pixelStorei(i.UNPACK_SKIP_ROWS,pe)}}function Wt(D,A,$){let he=i.TEXTURE_2D;(A.isDataArrayTexture||A.isCompressedArrayTexture)&&(he=i.TEXTURE_2D_ARRAY),A.isData3DTexture&&(he=i.TEXTURE_3D);let re=at(D,A),ve=A.source;t.bindTexture(he,D.__webglTexture,i.TEXTURE0+$);let be=n.get(ve);if(ve.version!==be.__version||re===!0){if(t.activeTexture(i.TEXTURE0+$),(typeof ImageBitmap<"u"&&A.image instanceof ImageBitmap)===!1){let ce=vt.getPrimaries(vt.workingColorSpace),ke=A.colorSpace===Bs?null:vt.getPrimaries(A.colorSpace),Qe=A.colorSpace===Bs||ce===ke?i.NONE:i.BROWSER_DEFAULT_WEBGL;t.pixelStorei(i.UNPACK_FLIP_Y_WEBGL,A.flipY),t.pixelStorei(i.UNPACK_PREMULTIPLY_ALPHA_WEBGL,A.premultiplyAlpha),t.pixelStorei(i.UNPACK_COLORSPACE_CONVERSION_WEBGL,Qe)}t.pixelStorei(i.UNPACK_ALIGNMENT,A.unpackAlignment);let ie=_(A.image,!1,s.maxTextureSize);ie=Ge(A,ie);let pe=r.convert(A.format,A.colorSpace),k=r.convert(A.type),se=S(A.internalFormat,pe,k,A.normalized,A.colorSpace,A.isVideoTexture);it(he,A);let te,Ae=A.mipmaps,xe=A.isVideoTexture!==!0,Se=be.__version===void 0||re===!0,We=ve.dataReady,je=M(A,ie);if(A.isDepthTexture)se=y(A.format===Os,A.type),Se&&(xe?t.texStorage2D(i.TEXTURE_2D,1,se,ie.width,ie.height):t.texImage2D(i.TEXTURE_2D,0,se,ie.width,ie.height,0,pe,k,null));else if(A.isDataTexture)if(Ae.length>0){xe&&Se&&t.texStorage2D(i.TEXTURE_2D,je,se,Ae[0].width,Ae[0].height);for(let ce=0,ke=Ae.length;ce<ke;ce++)te=Ae[ce],xe?We&&t.texSubImage2D(i.TEXTURE_2D,ce,0,0,te.width,te.height,pe,k,te.data):t.texImage2D(i.TEXTURE_2D,ce,se,te.width,te.height,0,pe,k,te.data);A.generateMipmaps=!1}else xe?(Se&&t.texStorage2D(i.TEXTURE_2D,je,se,ie.width,ie.height),We&&jt(A,ie,pe,k)):t.texImage2D(i.TEXTURE_2D,0,se,ie.width,ie.height,0,pe,k,ie.data);else if(A.isCompressedTexture)if(A.isCompressedArrayTexture){xe&&Se&&t.texStorage3D(i.TEXTURE_2D_ARRAY,je,se,Ae[0].width,Ae[0].height,ie.depth);for(let ce=0,ke=Ae.length;ce<ke;ce++)if(te=Ae[ce],A.format!==es)if(pe!==null)if(xe){if(We)if(A.layerUpdates.size>0){let Qe=gd(te.width,te.height,A.format,A.type);for(let Ce of A.layerUpdates){let lt=te.data.subarray(Ce*Qe/te.data.BYTES_PER_ELEMENT,(Ce+1)*Qe/te.data.BYTES_PER_ELEMENT);t.compressedTexSubImage3D(i.TEXTURE_2D_ARRAY,ce,0,0,Ce,te.width,te.height,1,pe,lt)}}else t.compressedTexSubImage3D(i.TEXTURE_2D_ARRAY,ce,0,0,0,te.width,te.height,ie.depth,pe,te.data)}else t.compressedTexImage3D(i.TEXTURE_2D_ARRAY,ce,se,te.width,te.height,ie.depth,0,te.data,0,0);else Ye("WebGLRenderer: Attempt to load unsupported compressed texture format in .uploadTexture()");else xe?We&&t.texSubImage3D(i.TEXTURE_2D_ARRAY,ce,0,0,0,te.width,te.height,ie.depth,pe,k,te.data):t.texImage3D(i.TEXTURE_2D_ARRAY,ce,se,te.width,te.height,ie.depth,0,pe,k,te.data);A.layerUpdates.size>0&&A.clearLayerUpdates()}else{xe&&Se&&t.texStorage2D(i.TEXTURE_2D,je,se,Ae[0].width,Ae[0].height);for(let ce=0,ke=Ae.length;ce<ke;ce++)te=Ae[ce],A.format!==es?pe!==null?xe?We&&t.compressedTexSubImage2D(i.TEXTURE_2D,ce,0,0,te.width,te.height,pe,te.data):t.compressedTexImage2D(i.TEXTURE_2D,ce,se,te.width,te.height,0,te.data):Ye("WebGLRenderer: Attempt to load unsupported compressed texture format in .uploadTexture()"):xe?We&&t.texSubImage2D(i.TEXTURE_2D,ce,0,0,te.width,te.height,pe,k,te.data):t.texImage2D(i.TEXTURE_2D,ce,se,te.width,te.height,0,pe,k,te.data)}else if(A.isDataArrayTexture)if(xe){if(Se&&t.texStorage3D(i.TEXTURE_2D_ARRAY,je,se,ie.width,ie.height,ie.depth),We)if(A.layerUpdates.size>0){let ce=gd(ie.width,ie.height,A.format,A.type);for(let ke of A.layerUpdates){let Qe=ie.data.subarray(ke*ce/ie.data.BYTES_PER_ELEMENT,(ke+1)*ce/ie.data.BYTES_PER_ELEMENT);t.texSubImage3D(i.TEXTURE_2D_ARRAY,0,0,0,ke,ie.width,ie.height,1,pe,k,Qe)}A.clearLayerUpdates()}else t.texSubImage3D(i.TEXTURE_2D_ARRAY,0,0,0,0,ie.width,ie.height,ie.depth,pe,k,ie.data)}else t.texImage3D(i.TEXTURE_2D_ARRAY,0,se,ie.width,ie.height,ie.depth,0,pe,k,ie.data);else if(A.isData3DTexture)xe?(Se&&t.texStorage3D(i.TEXTURE_3D,je,se,ie.width,ie.height,ie.depth),We&&t.texSubImage3D(i.TEXTURE_3D,0,0,0,0,ie.width,ie.height,ie.depth,pe,k,ie.data)):t.texImage3D(i.TEXTURE_3D,0,se,ie.width,ie.height,ie.depth,0,pe,k,ie.data);else if(A.isFramebufferTexture){if(Se)if(xe)t.texStorage2D(i.TEXTURE_2D,je,se,ie.width,ie.height);else{let ce=ie.width,ke=ie.height;for(let Qe=0;Qe<je;Qe++)t.texImage2D(i.TEXTURE_2D,Qe,se,ce,ke,0,pe,k,null),ce>>=1,ke>>=1}}else if(A.isHTMLTexture){if("texElementImage2D"in i){let ce=i.canvas;if(ce.hasAttribute("layoutsubtree")||ce.setAttribute("layoutsubtree","true"),ie.parentNode!==ce){ce.appendChild(ie),u.add(A),ce.onpaint=ke=>{let Qe=ke.changedElements;for(let Ce of u)Qe.includes(Ce.image)&&(Ce.needsUpdate=!0)},ce.requestPaint();return}if(i.texElementImage2D.length===3)i.texElementImage2D(i.TEXTURE_2D,i.RGBA8,ie);else{let Qe=i.RGBA,Ce=i.RGBA,lt=i.UNSIGNED_BYTE;i.texElementImage2D(i.TEXTURE_2D,0,Qe,Ce,lt,ie)}i.texParameteri(i.TEXTURE_2D,i.TEXTURE_MIN_FILTER,i.LINEAR),i.texParameteri(i.TEXTURE_2D,i.TEXTURE_WRAP_S,i.CLAMP_TO_EDGE),i.texParameteri(i.TEXTURE_2D,i.TEXTURE_WRAP_T,i.CLAMP_TO_EDGE)}}else if(Ae.length>0){if(xe&&Se){let ce=$e(Ae[0]);t.texStorage2D(i.TEXTURE_2D,je,se,ce.width,ce.height)}for(let ce=0,ke=Ae.length;ce<ke;ce++)te=Ae[ce],xe?We&&t.texSubImage2D(i.TEXTURE_2D,ce,0,0,pe,k,te):t.texImage2D(i.TEXTURE_2D,ce,se,pe,k,te);A.generateMipmaps=!1}else if(xe){if(Se){let ce=$e(ie);t.texStorage2D(i.TEXTURE_2D,je,se,ce.width,ce.height)}We&&t.texSubImage2D(i.TEXTURE_2D,0,0,0,pe,k,ie)}else t.texImage2D(i.TEXTURE_2D,0,se,pe,k,ie);w(A)&&A.mipmapsAutoUpdate===!0&&b(he),be.__version=ve.version,A.onUpdate&&A.onUpdate(A)}D.__version=A.version}function gn(D,A,$){if(A.image.length!==6)return;let he=at(D,A),re=A.source;t.bindTexture(i.TEXTURE_CUBE_MAP,D.__webglTexture,i.TEXTURE0+$);let ve=n.get(re);if(re.version!==ve.__version||he===!0){t.activeTexture(i.TEXTURE0+$);let be=vt.getPrimaries(vt.workingColorSpace),ee=A.colorSpace===Bs?null:vt.getPrimaries(A.colorSpace),ie=A.colorSpace===Bs||be===ee?i.NONE:i.BROWSER_DEFAULT_WEBGL;t.pixelStorei(i.UNPACK_FLIP_Y_WEBGL,A.flipY),t.pixelStorei(i.UNPACK_PREMULTIPLY_ALPHA_WEBGL,A.premultiplyAlpha),t.pixelStorei(i.UNPACK_ALIGNMENT,A.unpackAlignment),t.pixelStorei(i.UNPACK_COLORSPACE_CONVERSION_WEBGL,ie);let pe=A.isCompressedTexture||A.image[0].isCompressedTexture,k=A.image[0]&&A.image[0].isDataTexture,se=[];for(let Ce=0;Ce<6;Ce++)!pe&&!k?se[Ce]=_(A.image[Ce],!0,s.maxCubemapSize):se[Ce]=k?A.image[Ce].image:A.image[Ce],se[Ce]=Ge(A,se[Ce]);let te=se[0],Ae=r.convert(A.format,A.colorSpace),xe=r.convert(A.type),Se=S(A.internalFormat,Ae,xe,A.normalized,A.colorSpace),We=A.isVideoTexture!==!0,je=ve.__version===void 0||he===!0,ce=re.dataReady,ke=M(A,te);it(i.TEXTURE_CUBE_MAP,A);let Qe;if(A.isDepthTexture){if(Se=y(A.format===Os,A.type),je)if(We)t.texStorage2D(i.TEXTURE_CUBE_MAP,1,Se,te.width,te.height);else for(let Ce=0;Ce<6;Ce++)t.texImage2D(i.TEXTURE_CUBE_MAP_POSITIVE_X+Ce,0,Se,te.width,te.height,0,Ae,xe,null)}else if(pe){We&&je&&t.texStorage2D(i.TEXTURE_CUBE_MAP,ke,Se,te.width,te.height);for(let Ce=0;Ce<6;Ce++){Qe=se[Ce].mipmaps;for(let lt=0;lt<Qe.length;lt++){let $t=Qe[lt];A.format!==es?Ae!==null?We?ce&&t.compressedTexSubImage2D(i.TEXTURE_CUBE_MAP_POSITIVE_X+Ce,lt,0,0,$t.width,$t.height,Ae,$t.data):t.compressedTexImage2D(i.TEXTURE_CUBE_MAP_POSITIVE_X+Ce,lt,Se,$t.width,$t.height,0,$t.data):Ye("WebGLRenderer: Attempt to load unsupported compressed texture format in .setTextureCube()"):We?ce&&t.texSubImage2D(i.TEXTURE_CUBE_MAP_POSITIVE_X+Ce,lt,0,0,$t.width,$t.height,Ae,xe,$t.data):t.texImage2D(i.TEXTURE_CUBE_MAP_POSITIVE_X+Ce,lt,Se,$t.width,$t.height,0,Ae,xe,$t.data)}}}else{if(Qe=A.mipmaps,We&&je){Qe.length>0&&ke++;let Ce=$e(se[0]);t.texStorage2D(i.TEXTURE_CUBE_MAP,ke,Se,Ce.width,Ce.height)}for(let Ce=0;Ce<6;Ce++)if(k){We?ce&&t.texSubImage2D(i.TEXTURE_CUBE_MAP_POSITIVE_X+Ce,0,0,0,se[Ce].width,se[Ce].height,Ae,xe,se[Ce].data):t.texImage2D(i.TEXTURE_CUBE_MAP_POSITIVE_X+Ce,0,Se,se[Ce].width,se[Ce].height,0,Ae,xe,se[Ce].data);for(let lt=0;lt<Qe.length;lt++){let Jn=Qe[lt].image[Ce].image;We?ce&&t.texSubImage2D(i.TEXTURE_CUBE_MAP_POSITIVE_X+Ce,lt+1,0,0,Jn.width,Jn.height,Ae,xe,Jn.data):t.texImage2D(i.TEXTURE_CUBE_MAP_POSITIVE_X+Ce,lt+1,Se,Jn.width,Jn.height,0,Ae,xe,Jn.data)}}else{We?ce&&t.texSubImage2D(i.TEXTURE_CUBE_MAP_POSITIVE_X+Ce,0,0,0,Ae,xe,se[Ce]):t.texImage2D(i.TEXTURE_CUBE_MAP_POSITIVE_X+Ce,0,Se,Ae,xe,se[Ce]);for(let lt=0;lt<Qe.length;lt++){let $t=Qe[lt];We?ce&&t.texSubImage2D(i.TEXTURE_CUBE_MAP_POSITIVE_X+Ce,lt+1,0,0,Ae,xe,$t.image[Ce]):t.texImage2D(i.TEXTURE_CUBE_MAP_POSITIVE_X+Ce,lt+1,Se,Ae,xe,$t.image[Ce])}}}w(A)&&A.mipmapsAutoUpdate===!0&&b(i.TEXTURE_CUBE_MAP),ve.__version=re.version,A.onUpdate&&A.onUpdate(A)}D.__version=A.version}function kt(D,A,$,he,re,ve){let be=r.convert($.format,$.colorSpace),ee=r.convert($.type),ie=S($.internalFormat,be,ee,$.normalized,$.colorSpace),pe=n.get(A),k=n.get($);if(k.__renderTarget=A,!pe.__hasExternalTextures){let se=Math.max(1,A.width>>ve),te=Math.max(1,A.height>>ve);re===i.TEXTURE_3D||re===i.TEXTURE_2D_ARRAY?t.texImage3D(re,ve,ie,se,te,A.depth,0,be,ee,null):t.texImage2D(re,ve,ie,se,te,0,be,ee,null)}t.bindFramebuffer(i.FRAMEBUFFER,D),we(A)?a.framebufferTexture2DMultisampleEXT(i.FRAMEBUFFER,he,re,k.__webglTexture,0,ot(A)):(re===i.TEXTURE_2D||re>=i.TEXTURE_CUBE_MAP_POSITIVE_X&&re<=i.TEXTURE_CUBE_MAP_NEGATIVE_Z)&&i.framebufferTexture2D(i.FRAMEBUFFER,he,re,k.__webglTexture,ve),t.bindFramebuffer(i.FRAMEBUFFER,null)}function Dn(D,A,$){if(i.bindRenderbuffer(i.RENDERBUFFER,D),A.depthBuffer){let he=A.depthTexture,re=he&&he.isDepthTexture?he.type:null,ve=y(A.stencilBuffer,re),be=A.stencilBuffer?i.DEPTH_STENCIL_ATTACHMENT:i.DEPTH_ATTACHMENT;we(A)?a.renderbufferStorageMultisampleEXT(i.RENDERBUFFER,ot(A),ve,A.width,A.height):$?i.renderbufferStorageMultisample(i.RENDERBUFFER,ot(A),ve,A.width,A.height):i.renderbufferStorage(i.RENDERBUFFER,ve,A.width,A.height),i.framebufferRenderbuffer(i.FRAMEBUFFER,be,i.RENDERBUFFER,D)}else{let he=A.textures;for(let re=0;re<he.length;re++){let ve=he[re],be=r.convert(ve.format,ve.colorSpace),ee=r.convert(ve.type),ie=S(ve.internalFormat,be,ee,ve.normalized,ve.colorSpace);we(A)?a.renderbufferStorageMultisampleEXT(i.RENDERBUFFER,ot(A),ie,A.width,A.height):$?i.renderbufferStorageMultisample(i.RENDERBUFFER,ot(A),ie,A.width,A.height):i.renderbufferStorage(i.RENDERBUFFER,ie,A.width,A.height)}}i.bindRenderbuffer(i.RENDERBUFFER,null)}function bt(D,A,$){let he=A.isWebGLCubeRenderTarget===!0;if(t.bindFramebuffer(i.FRAMEBUFFER,D),!(A.depthTexture&&A.depthTexture.isDepthTexture))throw new Error("THREE.WebGLTextures: renderTarget.depthTexture must be an instance of THREE.DepthTexture.");let re=n.get(A.depthTexture);re.__renderTarget=A;let ve=he?A.depthTexture.image[0]:A.depthTexture.image;(!re.__webglTexture||ve.width!==A.width||ve.height!==A.height)&&(ve.width=A.width,ve.height=A.height,A.depthTexture.needsUpdate=!0),he?_e(A.depthTexture,0):me(A.depthTexture,0);let be=re.__webglTexture,ee=ot(A),ie=he?i.TEXTURE_CUBE_MAP_POSITIVE_X+$:i.TEXTURE_2D,pe=A.depthTexture.format===Os?i.DEPTH_STENCIL_ATTACHMENT:i.DEPTH_ATTACHMENT;if(A.depthTexture.format===Ls)we(A)?a.framebufferTexture2DMultisampleEXT(i.FRAMEBUFFER,pe,ie,be,0,ee):i.framebufferTexture2D(i.FRAMEBUFFER,pe,ie,be,0);else if(A.depthTexture.format===Os)we(A)?a.framebufferTexture2DMultisampleEXT(i.FRAMEBUFFER,pe,ie,be,0,ee):i.framebufferTexture2D(i.FRAMEBUFFER,pe,ie,be,0);else throw new Error("THREE.WebGLTextures: Unknown depthTexture format.")}function En(D){let A=n.get(D),$=D.isWebGLCubeRenderTarget===!0;if(A.__boundDepthTexture!==D.depthTexture){let he=D.depthTexture;if(A.__depthDisposeCallback&&A.__depthDisposeCallback(),he){let re=()=>{delete A.__boundDepthTexture,delete A.__depthDisposeCallback,he.removeEventListener("dispose",re)};he.addEventListener("dispose",re),A.__depthDisposeCallback=re}A.__boundDepthTexture=he}if(D.depthTexture&&!A.__autoAllocateDepthBuffer)if($)for(let he=0;he<6;he++)bt(A.__webglFramebuffer[he],D,he);else D.texture.mipmaps.length>0?bt(A.__webglFramebuffer[0],D,0):bt(A.__webglFramebuffer,D,0);else if($){A.__webglDepthbuffer=[];for(let he=0;he<6;he++)if(t.bindFramebuffer(i.FRAMEBUFFER,A.__webglFramebuffer[he]),A.__webglDepthbuffer[he]===void 0)A.__webglDepthbuffer[he]=i.createRenderbuffer(),Dn(A.__webglDepthbuffer[he],D,!1);else{let re=D.stencilBuffer?i.DEPTH_STENCIL_ATTACHMENT:i.DEPTH_ATTACHMENT,ve=A.__webglDepthbuffer[he];i.bindRenderbuffer(i.RENDERBUFFER,ve),i.framebufferRenderbuffer(i.FRAMEBUFFER,re,i.RENDERBUFFER,ve)}}else if(D.texture.mipmaps.length>0?t.bindFramebuffer(i.FRAMEBUFFER,A.__webglFramebuffer[0]):t.bindFramebuffer(i.FRAMEBUFFER,A.__webglFramebuffer),A.__webglDepthbuffer===void 0)A.__webglDepthbuffer=i.createRenderbuffer(),Dn(A.__webglDepthbuffer,D,!1);else{let re=D.stencilBuffer?i.DEPTH_STENCIL_ATTACHMENT:i.DEPTH_ATTACHMENT,ve=A.__webglDepthbuffer;i.bindRenderbuffer(i.RENDERBUFFER,ve),i.framebufferRenderbuffer(i.FRAMEBUFFER,re,i.RENDERBUFFER,ve)}t.bindFramebuffer(i.FRAMEBUFFER,null)}function rn(D,A,$){let he=n.get(D);A!==void 0&&kt(he.__webglFramebuffer,D,D.texture,i.COLOR_ATTACHMENT0,i.TEXTURE_2D,0),$!==void 0&&En(D)}function _n(D){let A=D.texture,$=n.get(D),he=n.get(A);D.addEventListener("dispose",O),I(D);let re=D.textures,ve=D.isWebGLCubeRenderTarget===!0,be=re.length>1;if(be||(he.__webglTexture===void 0&&(he.__webglTexture=i.createTexture()),he.__version=A.version,o.memory.textures++),ve){$.__webglFramebuffer=[];for(let ee=0;ee<6;ee++)if(A.mipmaps.length>0){$.__webglFramebuffer[ee]=[];for(let ie=0;ie<A.mipmaps.length;ie++)$.__webglFramebuffer[ee][ie]=i.createFramebuffer()}else $.__webglFramebuffer[ee]=i.createFramebuffer()}else{if(A.mipmaps.length>0){$.__webglFramebuffer=[];for(let ee=0;ee<A.mipmaps.length;ee++)$.__webglFramebuffer[ee]=i.createFramebuffer()}else $.__webglFramebuffer=i.createFramebuffer();if(be)for(let ee=0,ie=re.length;ee<ie;ee++){let pe=n.get(re[ee]);pe.__webglTexture===void 0&&(pe.__webglTexture=i.createTexture(),o.memory.textures++)}if(D.samples>0&&we(D)===!1){$.__webglMultisampledFramebuffer=i.createFramebuffer(),$.__webglColorRenderbuffer=[],t.bindFramebuffer(i.FRAMEBUFFER,$.__webglMultisampledFramebuffer);for(let ee=0;ee<re.length;ee++){let ie=re[ee];$.__webglColorRenderbuffer[ee]=i.createRenderbuffer(),i.bindRenderbuffer(i.RENDERBUFFER,$.__webglColorRenderbuffer[ee]);let pe=r.convert(ie.format,ie.colorSpace),k=r.convert(ie.type),se=S(ie.internalFormat,pe,k,ie.normalized,ie.colorSpace,D.isXRRenderTarget===!0),te=ot(D);i.renderbufferStorageMultisample(i.RENDERBUFFER,te,se,D.width,D.height),i.framebufferRenderbuffer(i.FRAMEBUFFER,i.COLOR_ATTACHMENT0+ee,i.RENDERBUFFER,$.__webglColorRenderbuffer[ee])}i.bindRenderbuffer(i.RENDERBUFFER,null),D.depthBuffer&&($.__webglDepthRenderbuffer=i.createRenderbuffer(),Dn($.__webglDepthRenderbuffer,D,!0)),t.bindFramebuffer(i.FRAMEBUFFER,null)}}if(ve){t.bindTexture(i.TEXTURE_CUBE_MAP,he.__webglTexture),it(i.TEXTURE_CUBE_MAP,A);for(let ee=0;ee<6;ee++)if(A.mipmaps.length>0)for(let ie=0;ie<A.mipmaps.length;ie++)kt($.__webglFramebuffer[ee][ie],D,A,i.COLOR_ATTACHMENT0,i.TEXTURE_CUBE_MAP_POSITIVE_X+ee,ie);else kt($.__webglFramebuffer[ee],D,A,i.COLOR_ATTACHMENT0,i.TEXTURE_CUBE_MAP_POSITIVE_X+ee,0);w(A)?b(i.TEXTURE_CUBE_MAP):A.mipmaps.length>0&&i.texParameteri(i.TEXTURE_CUBE_MAP,i.TEXTURE_MAX_LEVEL,A.mipmaps.length-1),t.unbindTexture()}else if(be){for(let ee=0,ie=re.length;ee<ie;ee++){let pe=re[ee],k=n.get(pe),se=i.TEXTURE_2D;(D.isWebGL3DRenderTarget||D.isWebGLArrayRenderTarget)&&(se=D.isWebGL3DRenderTarget?i.TEXTURE_3D:i.TEXTURE_2D_ARRAY),t.bindTexture(se,k.__webglTexture),it(se,pe),kt($.__webglFramebuffer,D,pe,i.COLOR_ATTACHMENT0+ee,se,0),w(pe)&&b(se)}t.unbindTexture()}else{let ee=i.TEXTURE_2D;if((D.isWebGL3DRenderTarget||D.isWebGLArrayRenderTarget)&&(ee=D.isWebGL3DRenderTarget?i.TEXTURE_3D:i.TEXTURE_2D_ARRAY),t.bindTexture(ee,he.__webglTexture),it(ee,A),A.mipmaps.length>0)for(let ie=0;ie<A.mipmaps.length;ie++)kt($.__webglFramebuffer[ie],D,A,i.COLOR_ATTACHMENT0,ee,ie);else kt($.__webglFramebuffer,D,A,i.COLOR_ATTACHMENT0,ee,0);w(A)?b(ee):A.mipmaps.length>0&&i.texParameteri(ee,i.TEXTURE_MAX_LEVEL,A.mipmaps.length-1),t.unbindTexture()}D.depthBuffer&&En(D)}function z(D){let A=D.textures;for(let $=0,he=A.length;$<he;$++){let re=A[$];if(w(re)&&re.mipmapsAutoUpdate===!0){let ve=E(D),be=n.get(re).__webglTexture;t.bindTexture(ve,be),b(ve),t.unbindTexture()}}}let Re=[];function Ze(D){if(D.samples>0){if(we(D)===!1){let A=D.textures,$=D.width,he=D.height,re=i.COLOR_BUFFER_BIT,ve=D.stencilBuffer?i.DEPTH_STENCIL_ATTACHMENT:i.DEPTH_ATTACHMENT,be=n.get(D),ee=A.length>1;if(ee)for(let pe=0;pe<A.length;pe++)t.bindFramebuffer(i.FRAMEBUFFER,be.__webglMultisampledFramebuffer),i.framebufferRenderbuffer(i.FRAMEBUFFER,i.COLOR_ATTACHMENT0+pe,i.RENDERBUFFER,null),t.bindFramebuffer(i.FRAMEBUFFER,be.__webglFramebuffer),i.framebufferTexture2D(i.DRAW_FRAMEBUFFER,i.COLOR_ATTACHMENT0+pe,i.TEXTURE_2D,null,0);t.bindFramebuffer(i.READ_FRAMEBUFFER,be.__webglMultisampledFramebuffer),D.texture.mipmaps.length>0?t.bindFramebuffer(i.DRAW_FRAMEBUFFER,be.__webglFramebuffer[0]):t.bindFramebuffer(i.DRAW_FRAMEBUFFER,be.__webglFramebuffer);for(let pe=0;pe<A.length;pe++){if(D.resolveDepthBuffer&&(D.depthBuffer&&(re|=i.DEPTH_BUFFER_BIT),D.stencilBuffer&&D.resolveStencilBuffer&&(re|=i.STENCIL_BUFFER_BIT)),ee){i.framebufferRenderbuffer(i.READ_FRAMEBUFFER,i.COLOR_ATTACHMENT0,i.RENDERBUFFER,be.__webglColorRenderbuffer[pe]);let k=n.get(A[pe]).__webglTexture;i.framebufferTexture2D(i.DRAW_FRAMEBUFFER,i.COLOR_ATTACHMENT0,i.TEXTURE_2D,k,0)}i.blitFramebuffer(0,0,$,he,0,0,$,he,re,i.NEAREST),l===!0&&(Re.length=0,Re.push(i.COLOR_ATTACHMENT0+pe),D.depthBuffer&&D.storeMultisampledDepthBuffer===!1&&Re.push(ve),i.invalidateFramebuffer(i.READ_FRAMEBUFFER,Re))}if(t.bindFramebuffer(i.READ_FRAMEBUFFER,null),t.bindFramebuffer(i.DRAW_FRAMEBUFFER,null),ee)for(let pe=0;pe<A.length;pe++){t.bindFramebuffer(i.FRAMEBUFFER,be.__webglMultisampledFramebuffer),i.framebufferRenderbuffer(i.FRAMEBUFFER,i.COLOR_ATTACHMENT0+pe,i.RENDERBUFFER,be.__webglColorRenderbuffer[pe]);let k=n.get(A[pe]).__webglTexture;t.bindFramebuffer(i.FRAMEBUFFER,be.__webglFramebuffer),i.framebufferTexture2D(i.DRAW_FRAMEBUFFER,i.COLOR_ATTACHMENT0+pe,i.TEXTURE_2D,k,0)}t.bindFramebuffer(i.DRAW_FRAMEBUFFER,be.__webglMultisampledFramebuffer)}else if(D.depthBuffer&&D.storeMultisampledDepthBuffer===!1&&l){let A=D.stencilBuffer?i.DEPTH_STENCIL_ATTACHMENT:i.DEPTH_ATTACHMENT;i.invalidateFramebuffer(i.DRAW_FRAMEBUFFER,[A])}}}function ot(D){return Math.min(s.maxSamples,D.samples)}function we(D){let A=n.get(D);return D.samples>0&&e.has("WEBGL_multisampled_render_to_texture")===!0&&A.__useRenderToTexture!==!1}function Vt(D){let A=o.render.frame;h.get(D)!==A&&(h.set(D,A),D.update())}function Ge(D,A){let $=D.colorSpace,he=D.format,re=D.type;return D.isCompressedTexture===!0||D.isVideoTexture===!0||$!==Ta&&$!==Bs&&(vt.getTransfer($)===Nt?(he!==es||re!==hi)&&Ye("WebGLTextures: sRGB encoded textures have to use RGBAFormat and UnsignedByteType."):et("WebGLTextures: Unsupported texture color space:",$)),A}function $e(D){return typeof HTMLImageElement<"u"&&D instanceof HTMLImageElement?(c.width=D.naturalWidth||D.width,c.height=D.naturalHeight||D.height):typeof VideoFrame<"u"&&D instanceof VideoFrame?(c.width=D.displayWidth,c.height=D.displayHeight):(c.width=D.width,c.height=D.height),c}this.allocateTextureUnit=ue,this.resetTextureUnits=j,this.getTextureUnits=ne,this.setTextureUnits=fe,this.setTexture2D=me,this.setTexture2DArray=ge,this.setTexture3D=ye,this.setTextureCube=_e,this.rebindTextures=rn,this.setupRenderTarget=_n,this.updateRenderTargetMipmap=z,this.updateMultisampleRenderTarget=Ze,this.setupDepthRenderbuffer=En,this.setupFrameBufferTexture=kt,this.useMultisampledRTT=we,this.dispose=B}function UA(i,e){function t(n,s=Bs){let r,o=vt.getTransfer(s);if(n===hi)return i.UNSIGNED_BYTE;if(n===th)return i.UNSIGNED_SHORT_4_4_4_4;if(n===nh)return i.UNSIGNED_SHORT_5_5_5_1;if(n===Qf)return i.UNSIGNED_INT_5_9_9_9_REV;if(n===ed)return i.UNSIGNED_INT_10F_11F_11F_REV;if(n===Jf)return i.BYTE;if(n===jf)return i.SHORT;if(n===Go)return i.UNSIGNED_SHORT;if(n===eh)return i.INT;if(n===Ji)return i.UNSIGNED_INT;if(n===ji)return i.FLOAT;if(n===Qi)return i.HALF_FLOAT;if(n===td)return i.ALPHA;if(n===nd)return i.RGB;if(n===es)return i.RGBA;if(n===Ls)return i.DEPTH_COMPONENT;if(n===Os)return i.DEPTH_STENCIL;if(n===id)return i.RED;if(n===ih)return i.RED_INTEGER;if(n===hr)return i.RG;if(n===sh)return i.RG_INTEGER;if(n===rh)return i.RGBA_INTEGER;if(n===Ja||n===ja||n===Qa||n===el)if(o===Nt)if(r=e.get("WEBGL_compressed_texture_s3tc_srgb"),r!==null){if(n===Ja)return r.COMPRESSED_SRGB_S3TC_DXT1_EXT;if(n===ja)return r.COMPRESSED_SRGB_ALPHA_S3TC_DXT1_EXT;if(n===Qa)return r.COMPRESSED_SRGB_ALPHA_S3TC_DXT3_EXT;if(n===el)return r.COMPRESSED_SRGB_ALPHA_S3TC_DXT5_EXT}else return null;else if(r=e.get("WEBGL_compressed_texture_s3tc"),r!==null){if(n===Ja)return r.COMPRESSED_RGB_S3TC_DXT1_EXT;if(n===ja)return r.COMPRESSED_RGBA_S3TC_DXT1_EXT;if(n===Qa)return r.COMPRESSED_RGBA_S3TC_DXT3_EXT;if(n===el)return r.COMPRESSED_RGBA_S3TC_DXT5_EXT}else return null;if(n===oh||n===ah||n===lh||n===ch)if(r=e.get("WEBGL_compressed_texture_pvrtc"),r!==null){if(n===oh)return r.COMPRESSED_RGB_PVRTC_4BPPV1_IMG;if(n===ah)return r.COMPRESSED_RGB_PVRTC_2BPPV1_IMG;if(n===lh)return r.COMPRESSED_RGBA_PVRTC_4BPPV1_IMG;if(n===ch)return r.COMPRESSED_RGBA_PVRTC_2BPPV1_IMG}else return null;if(n===hh||n===uh||n===fh||n===dh||n===ph||n===tl||n===mh)if(r=e.get("WEBGL_compressed_texture_etc"),r!==null){if(n===hh||n===uh)return o===Nt?r.COMPRESSED_SRGB8_ETC2:r.COMPRESSED_RGB8_ETC2;if(n===fh)return o===Nt?r.COMPRESSED_SRGB8_ALPHA8_ETC2_EAC:r.COMPRESSED_RGBA8_ETC2_EAC;if(n===dh)return r.COMPRESSED_R11_EAC;if(n===ph)return r.COMPRESSED_SIGNED_R11_EAC;if(n===tl)return r.COMPRESSED_RG11_EAC;if(n===mh)return r.COMPRESSED_SIGNED_RG11_EAC}else return null;if(n===gh||n===_h||n===yh||n===xh||n===vh||n===bh||n===Mh||n===Sh||n===wh||n===Ah||n===Eh||n===Th||n===Ch||n===Rh)if(r=e.get("WEBGL_compressed_texture_astc"),r!==null){if(n===gh)return o===Nt?r.COMPRESSED_SRGB8_ALPHA8_ASTC_4x4_KHR:r.COMPRESSED_RGBA_ASTC_4x4_KHR;if(n===_h)return o===Nt?r.COMPRESSED_SRGB8_ALPHA8_ASTC_5x4_KHR:r.COMPRESSED_RGBA_ASTC_5x4_KHR;if(n===yh)return o===Nt?r.COMPRESSED_SRGB8_ALPHA8_ASTC_5x5_KHR:r.COMPRESSED_RGBA_ASTC_5x5_KHR;if(n===xh)return o===Nt?r.COMPRESSED_SRGB8_ALPHA8_ASTC_6x5_KHR:r.COMPRESSED_RGBA_ASTC_6x5_KHR;if(n===vh)return o===Nt?r.COMPRESSED_SRGB8_ALPHA8_ASTC_6x6_KHR:r.COMPRESSED_RGBA_ASTC_6x6_KHR;if(n===bh)return o===Nt?r.COMPRESSED_SRGB8_ALPHA8_ASTC_8x5_KHR:r.COMPRESSED_RGBA_ASTC_8x5_KHR;if(n===Mh)return o===Nt?r.COMPRESSED_SRGB8_ALPHA8_ASTC_8x6_KHR:r.COMPRESSED_RGBA_ASTC_8x6_KHR;if(n===Sh)return o===Nt?r.COMPRESSED_SRGB8_ALPHA8_ASTC_8x8_KHR:r.COMPRESSED_RGBA_ASTC_8x8_KHR;if(n===wh)return o===Nt?r.COMPRESSED_SRGB8_ALPHA8_ASTC_10x5_KHR:r.COMPRESSED_RGBA_ASTC_10x5_KHR;if(n===Ah)return o===Nt?r.COMPRESSED_SRGB8_ALPHA8_ASTC_10x6_KHR:r.COMPRESSED_RGBA_ASTC_10x6_KHR;if(n===Eh)return o===Nt?r.COMPRESSED_SRGB8_ALPHA8_ASTC_10x8_KHR:r.COMPRESSED_RGBA_ASTC_10x8_KHR;if(n===Th)return o===Nt?r.COMPRESSED_SRGB8_ALPHA8_ASTC_10x10_KHR:r.COMPRESSED_RGBA_ASTC_10x10_KHR;if(n===Ch)return o===Nt?r.COMPRESSED_SRGB8_ALPHA8_ASTC_12x10_KHR:r.COMPRESSED_RGBA_ASTC_12x10_KHR;if(n===Rh)return o===Nt?r.COMPRESSED_SRGB8_ALPHA8_ASTC_12x12_KHR:r.COMPRESSED_RGBA_ASTC_12x12_KHR}else return null;if(n===Ih||n===Ph||n===Lh)if(r=e.get("EXT_texture_compression_bptc"),r!==null){if(n===Ih)return o===Nt?r.COMPRESSED_SRGB_ALPHA_BPTC_UNORM_EXT:r.COMPRESSED_RGBA_BPTC_UNORM_EXT;if(n===Ph)return r.COMPRESSED_RGB_BPTC_SIGNED_FLOAT_EXT;if(n===Lh)return r.COMPRESSED_RGB_BPTC_UNSIGNED_FLOAT_EXT}else return null;if(n===Dh||n===Nh||n===nl||n===Uh)if(r=e.get("EXT_texture_compression_rgtc"),r!==null){if(n===Dh)return r.COMPRESSED_RED_RGTC1_EXT;if(n===Nh)return r.COMPRESSED_SIGNED_RED_RGTC1_EXT;if(n===nl)return r.COMPRESSED_RED_GREEN_RGTC2_EXT;if(n===Uh)return r.COMPRESSED_SIGNED_RED_GREEN_RGTC2_EXT}else return null;return n===Fr?i.UNSIGNED_INT_24_8:i[n]!==void 0?i[n]:null}return{convert:t}}var FA=`
+void main() {
+
+	gl_Position = vec4( position, 1.0 );
+
+}`,OA=`
+uniform sampler2DArray depthColor;
+uniform float depthWidth;
+uniform float depthHeight;
+
+void main() {
+
+	vec2 coord = vec2( gl_FragCoord.x / depthWidth, gl_FragCoord.y / depthHeight );
+
+	if ( coord.x >= 1.0 ) {
+
+		gl_FragDepth = texture( depthColor, vec3( coord.x - 1.0, coord.y, 1 ) ).r;
+
+	} else {
+
+		gl_FragDepth = texture( depthColor, vec3( coord.x, coord.y, 0 ) ).r;
+
+	}
+
+}`,Ad=class{constructor(){this.texture=null,this.mesh=null,this.depthNear=0,this.depthFar=0}init(e,t){if(this.texture===null){let n=new Oa(e.texture);(e.depthNear!==t.depthNear||e.depthFar!==t.depthFar)&&(this.depthNear=e.depthNear,this.depthFar=e.depthFar),this.texture=n}}getMesh(e){if(this.texture!==null&&this.mesh===null){let t=e.cameras[0].viewport,n=new ps({vertexShader:FA,fragmentShader:OA,uniforms:{depthColor:{value:this.texture},depthWidth:{value:t.z},depthHeight:{value:t.w}}});this.mesh=new Mt(new za(20,20),n)}return this.mesh}reset(){this.texture=null,this.mesh=null}getDepthTexture(){return this.texture}},Ed=class extends Ki{constructor(e,t){super();let n=this,s=null,r=1,o=null,a="local-floor",l=1,c=null,h=null,u=null,f=null,p=null,g=null,x=typeof XRWebGLBinding<"u",m=new Ad,d={},_=t.getContextAttributes(),w=null,b=null,E=[],S=[],y=new qe,M=null,I=null,R=new si;R.viewport=new en;let P=new si;P.viewport=new en;let O=[R,P],V=new Zc,L=null,B=null;this.cameraAutoUpdate=!0,this.enabled=!1,this.isPresenting=!1,this.getController=function(Q){let me=E[Q];return me===void 0&&(me=new Uo,E[Q]=me),me.getTargetRaySpace()},this.getControllerGrip=function(Q){let me=E[Q];return me===void 0&&(me=new Uo,E[Q]=me),me.getGripSpace()},this.getHand=function(Q){let me=E[Q];return me===void 0&&(me=new Uo,E[Q]=me),me.getHandSpace()};function X(Q){let me=S.indexOf(Q.inputSource);if(me===-1)return;let ge=E[me];ge!==void 0&&(ge.update(Q.inputSource,Q.frame,c||o),ge.dispatchEvent({type:Q.type,data:Q.inputSource}))}function G(){s.removeEventListener("select",X),s.removeEventListener("selectstart",X),s.removeEventListener("selectend",X),s.removeEventListener("squeeze",X),s.removeEventListener("squeezestart",X),s.removeEventListener("squeezeend",X),s.removeEventListener("end",G),s.removeEventListener("inputsourceschange",ae);for(let Q=0;Q<E.length;Q++){let me=S[Q];me!==null&&(S[Q]=null,E[Q].disconnect(me))}L=null,B=null,m.reset();for(let Q in d)delete d[Q];if(e.setRenderTarget(w),p=null,f=null,u=null,s=null,b=null,ue.stop(),n.isPresenting=!1,e.setPixelRatio(M),e.setSize(y.width,y.height,!1),I!==null){let Q=I.camera;Q.fov=I.fov,Q.zoom=I.zoom,Q.updateProjectionMatrix(),I=null}n.dispatchEvent({type:"sessionend"})}this.setFramebufferScaleFactor=function(Q){r=Q,n.isPresenting===!0&&Ye("WebXRManager: Cannot change framebuffer scale while presenting.")},this.setReferenceSpaceType=function(Q){a=Q,n.isPresenting===!0&&Ye("WebXRManager: Cannot change reference space type while presenting.")},this.getReferenceSpace=function(){return c||o},this.setReferenceSpace=function(Q){c=Q},this.getBaseLayer=function(){return f!==null?f:p},this.getBinding=function(){return u===null&&x&&(u=new XRWebGLBinding(s,t)),u},this.getFrame=function(){return g},this.getSession=function(){return s},this.setSession=async function(Q){if(s=Q,s!==null){if(w=e.getRenderTarget(),s.addEventListener("select",X),s.addEventListener("selectstart",X),s.addEventListener("selectend",X),s.addEventListener("squeeze",X),s.addEventListener("squeezestart",X),s.addEventListener("squeezeend",X),s.addEventListener("end",G),s.addEventListener("inputsourceschange",ae),_.xrCompatible!==!0&&await t.makeXRCompatible(),M=e.getPixelRatio(),e.getSize(y),x&&"createProjectionLayer"in XRWebGLBinding.prototype){let ge=null,ye=null,_e=null;_.depth&&(_e=_.stencil?t.DEPTH24_STENCIL8:t.DEPTH_COMPONENT24,ge=_.stencil?Os:Ls,ye=_.stencil?Fr:Ji);let He={colorFormat:t.RGBA8,depthFormat:_e,scaleFactor:r};u=this.getBinding(),f=u.createProjectionLayer(He),s.updateRenderState({layers:[f]}),e.setPixelRatio(1),e.setSize(f.textureWidth,f.textureHeight,!1),b=new Ai(f.textureWidth,f.textureHeight,{format:es,type:hi,depthTexture:new Us(f.textureWidth,f.textureHeight,ye,void 0,void 0,void 0,void 0,void 0,void 0,ge),stencilBuffer:_.stencil,colorSpace:e.outputColorSpace,samples:_.antialias?4:0,resolveDepthBuffer:f.ignoreDepthValues===!1,resolveStencilBuffer:f.ignoreDepthValues===!1,storeMultisampledDepthBuffer:f.ignoreDepthValues===!1,storeMultisampledStencilBuffer:f.ignoreDepthValues===!1})}else{let ge={antialias:_.antialias,alpha:!0,depth:_.depth,stencil:_.stencil,framebufferScaleFactor:r};p=new XRWebGLLayer(s,t,ge),s.updateRenderState({baseLayer:p}),e.setPixelRatio(1),e.setSize(p.framebufferWidth,p.framebufferHeight,!1),b=new Ai(p.framebufferWidth,p.framebufferHeight,{format:es,type:hi,colorSpace:e.outputColorSpace,stencilBuffer:_.stencil,resolveDepthBuffer:p.ignoreDepthValues===!1,resolveStencilBuffer:p.ignoreDepthValues===!1,storeMultisampledDepthBuffer:p.ignoreDepthValues===!1,storeMultisampledStencilBuffer:p.ignoreDepthValues===!1})}b.isXRRenderTarget=!0,this.setFoveation(l),c=null,o=await s.requestReferenceSpace(a),ue.setContext(s),ue.start(),n.isPresenting=!0,n.dispatchEvent({type:"sessionstart"})}},this.getEnvironmentBlendMode=function(){if(s!==null)return s.environmentBlendMode},this.getDepthTexture=function(){return m.getDepthTexture()};function ae(Q){for(let me=0;me<Q.removed.length;me++){let ge=Q.removed[me],ye=S.indexOf(ge);ye>=0&&(S[ye]=null,E[ye].disconnect(ge))}for(let me=0;me<Q.added.length;me++){let ge=Q.added[me],ye=S.indexOf(ge);if(ye===-1){for(let He=0;He<E.length;He++)if(He>=S.length){S.push(ge),ye=He;break}else if(S[He]===null){S[He]=ge,ye=He;break}if(ye===-1)break}let _e=E[ye];_e&&_e.connect(ge)}}function Z(Q,me){me===null?Q.matrixWorld.copy(Q.matrix):Q.matrixWorld.multiplyMatrices(me.matrixWorld,Q.matrix),Q.matrixWorldInverse.copy(Q.matrixWorld).invert()}this.updateCamera=function(Q){if(s===null)return;let me=Q.near,ge=Q.far;m.texture!==null&&(m.depthNear>0&&(me=m.depthNear),m.depthFar>0&&(ge=m.depthFar)),V.near=P.near=R.near=me,V.far=P.far=R.far=ge,(L!==V.near||B!==V.far)&&(s.updateRenderState({depthNear:V.near,depthFar:V.far}),L=V.near,B=V.far),V.layers.mask=Q.layers.mask|6,R.layers.mask=V.layers.mask&-5,P.layers.mask=V.layers.mask&-3;let ye=Q.parent,_e=V.cameras;Z(V,ye);for(let He=0;He<_e.length;He++)Z(_e[He],ye);V.projectionMatrix.copy(R.projectionMatrix),V.projectionMatrixInverse.copy(R.projectionMatrixInverse),I===null&&Q.isPerspectiveCamera&&(I={camera:Q,fov:Q.fov,zoom:Q.zoom}),j(Q,V,ye)};function j(Q,me,ge){ge===null?Q.matrix.copy(me.matrixWorld):(Q.matrix.copy(ge.matrixWorld),Q.matrix.invert(),Q.matrix.multiply(me.matrixWorld)),Q.matrix.decompose(Q.position,Q.quaternion,Q.scale),Q.updateMatrixWorld(!0),Q.projectionMatrix.copy(me.projectionMatrix),Q.projectionMatrixInverse.copy(me.projectionMatrixInverse),Q.isPerspectiveCamera&&(Q.fov=Lo*2*Math.atan(1/Q.projectionMatrix.elements[5]),Q.zoom=1)}this.getCamera=function(){return V},this.getFoveation=function(){if(!(f===null&&p===null))return l},this.setFoveation=function(Q){l=Q,f!==null&&(f.fixedFoveation=Q),p!==null&&p.fixedFoveation!==void 0&&(p.fixedFoveation=Q)},this.hasDepthSensing=function(){return m.texture!==null},this.getDepthSensingMesh=function(){return m.getMesh(V)},this.getCameraTexture=function(Q){return d[Q]};let ne=null;function fe(Q,me){if(h=me.getViewerPose(c||o),g=me,h!==null){let ge=h.views;p!==null&&(e.setRenderTargetFramebuffer(b,p.framebuffer),e.setRenderTarget(b));let ye=!1;ge.length!==V.cameras.length&&(V.cameras.length=0,ye=!0);for(let Oe=0;Oe<ge.length;Oe++){let it=ge[Oe],at=null;if(p!==null)at=p.getViewport(it);else{let jt=u.getViewSubImage(f,it);at=jt.viewport,Oe===0&&(e.setRenderTargetTextures(b,jt.colorTexture,jt.depthStencilTexture),e.setRenderTarget(b))}let st=O[Oe];st===void 0&&(st=new si,st.layers.enable(Oe),st.viewport=new en,O[Oe]=st),st.matrix.fromArray(it.transform.matrix),st.matrix.decompose(st.position,st.quaternion,st.scale),st.projectionMatrix.fromArray(it.projectionMatrix),st.projectionMatrixInverse.copy(st.projectionMatrix).invert(),st.viewport.set(at.x,at.y,at.width,at.height),Oe===0&&(V.matrix.copy(st.matrix),V.matrix.decompose(V.position,V.quaternion,V.scale)),ye===!0&&V.cameras.push(st)}let _e=s.enabledFeatures;if(_e&&_e.includes("depth-sensing")&&s.depthUsage=="gpu-optimized"&&x){u=n.getBinding();let Oe=u.getDepthInformation(ge[0]);Oe&&Oe.isValid&&Oe.texture&&m.init(Oe,s.renderState)}if(_e&&_e.includes("camera-access")&&x){e.state.unbindTexture(),u=n.getBinding();for(let Oe=0;Oe<ge.length;Oe++){let it=ge[Oe].camera;if(it){let at=d[it];at||(at=new Oa,d[it]=at);let st=u.getCameraImage(it);at.sourceTexture=st}}}}for(let ge=0;ge<E.length;ge++){let ye=S[ge],_e=E[ge];ye!==null&&_e!==void 0&&_e.update(ye,me,c||o)}ne&&ne(Q,me),me.detectedPlanes&&n.dispatchEvent({type:"planesdetected",data:me}),g=null}let ue=new q0;ue.setAnimationLoop(fe),this.setAnimationLoop=function(Q){ne=Q},this.dispose=function(){}}},BA=new Xt,i_=new nt;i_.set(-1,0,0,0,1,0,0,0,1);function kA(i,e){function t(m,d){m.matrixAutoUpdate===!0&&m.updateMatrix(),d.value.copy(m.matrix)}function n(m,d){d.color.getRGB(m.fogColor.value,dd(i)),d.isFog?(m.fogNear.value=d.near,m.fogFar.value=d.far):d.isFogExp2&&(m.fogDensity.value=d.density)}function s(m,d,_,w,b){d.isNodeMaterial?d.uniformsNeedUpdate=!1:d.isMeshBasicMaterial?r(m,d):d.isMeshLambertMaterial?(r(m,d),d.envMap&&(m.envMapIntensity.value=d.envMapIntensity)):d.isMeshToonMaterial?(r(m,d),u(m,d)):d.isMeshPhongMaterial?(r(m,d),h(m,d),d.envMap&&(m.envMapIntensity.value=d.envMapIntensity)):d.isMeshStandardMaterial?(r(m,d),f(m,d),d.isMeshPhysicalMaterial&&p(m,d,b)):d.isMeshMatcapMaterial?(r(m,d),g(m,d)):d.isMeshDepthMaterial?r(m,d):d.isMeshDistanceMaterial?(r(m,d),x(m,d)):d.isMeshNormalMaterial?r(m,d):d.isLineBasicMaterial?(o(m,d),d.isLineDashedMaterial&&a(m,d)):d.isPointsMaterial?l(m,d,_,w):d.isSpriteMaterial?c(m,d):d.isShadowMaterial?(m.color.value.copy(d.color),m.opacity.value=d.opacity):d.isShaderMaterial&&(d.uniformsNeedUpdate=!1)}function r(m,d){m.opacity.value=d.opacity,d.color&&m.diffuse.value.copy(d.color),d.emissive&&m.emissive.value.copy(d.emissive).multiplyScalar(d.emissiveIntensity),d.map&&(m.map.value=d.map,t(d.map,m.mapTransform)),d.alphaMap&&(m.alphaMap.value=d.alphaMap,t(d.alphaMap,m.alphaMapTransform)),d.bumpMap&&(m.bumpMap.value=d.bumpMap,t(d.bumpMap,m.bumpMapTransform),m.bumpScale.value=d.bumpScale,d.side===ai&&(m.bumpScale.value*=-1)),d.normalMap&&(m.normalMap.value=d.normalMap,t(d.normalMap,m.normalMapTransform),m.normalScale.value.copy(d.normalScale),d.side===ai&&m.normalScale.value.negate()),d.displacementMap&&(m.displacementMap.value=d.displacementMap,t(d.displacementMap,m.displacementMapTransform),m.displacementScale.value=d.displacementScale,m.displacementBias.value=d.displacementBias),d.emissiveMap&&(m.emissiveMap.value=d.emissiveMap,t(d.emissiveMap,m.emissiveMapTransform)),d.specularMap&&(m.specularMap.value=d.specularMap,t(d.specularMap,m.specularMapTransform)),d.alphaTest>0&&(m.alphaTest.value=d.alphaTest);let _=e.get(d),w=_.envMap,b=_.envMapRotation;w&&(m.envMap.value=w,m.envMapRotation.value.setFromMatrix4(BA.makeRotationFromEuler(b)).transpose(),w.isCubeTexture&&w.isRenderTargetTexture===!1&&m.envMapRotation.value.premultiply(i_),m.reflectivity.value=d.reflectivity,m.ior.value=d.ior,m.refractionRatio.value=d.refractionRatio),d.lightMap&&(m.lightMap.value=d.lightMap,m.lightMapIntensity.value=d.lightMapIntensity,t(d.lightMap,m.lightMapTransform)),d.aoMap&&(m.aoMap.value=d.aoMap,m.aoMapIntensity.value=d.aoMapIntensity,t(d.aoMap,m.aoMapTransform))}function o(m,d){m.diffuse.value.copy(d.color),m.opacity.value=d.opacity,d.map&&(m.map.value=d.map,t(d.map,m.mapTransform))}function a(m,d){m.dashSize.value=d.dashSize,m.totalSize.value=d.dashSize+d.gapSize,m.scale.value=d.scale}function l(m,d,_,w){m.diffuse.value.copy(d.color),m.opacity.value=d.opacity,m.size.value=d.size*_,m.scale.value=w*.5,d.map&&(m.map.value=d.map,t(d.map,m.uvTransform)),d.alphaMap&&(m.alphaMap.value=d.alphaMap,t(d.alphaMap,m.alphaMapTransform)),d.alphaTest>0&&(m.alphaTest.value=d.alphaTest)}function c(m,d){m.diffuse.value.copy(d.color),m.opacity.value=d.opacity,m.rotation.value=d.rotation,d.map&&(m.map.value=d.map,t(d.map,m.mapTransform)),d.alphaMap&&(m.alphaMap.value=d.alphaMap,t(d.alphaMap,m.alphaMapTransform)),d.alphaTest>0&&(m.alphaTest.value=d.alphaTest)}function h(m,d){m.specular.value.copy(d.specular),m.shininess.value=Math.max(d.shininess,1e-4)}function u(m,d){d.gradientMap&&(m.gradientMap.value=d.gradientMap)}function f(m,d){m.metalness.value=d.metalness,d.metalnessMap&&(m.metalnessMap.value=d.metalnessMap,t(d.metalnessMap,m.metalnessMapTransform)),m.roughness.value=d.roughness,d.roughnessMap&&(m.roughnessMap.value=d.roughnessMap,t(d.roughnessMap,m.roughnessMapTransform)),d.envMap&&(m.envMapIntensity.value=d.envMapIntensity)}function p(m,d,_){m.ior.value=d.ior,d.diffuseRoughness>0&&(m.diffuseRoughness.value=d.diffuseRoughness,d.diffuseRoughnessMap&&(m.diffuseRoughnessMap.value=d.diffuseRoughnessMap,t(d.diffuseRoughnessMap,m.diffuseRoughnessMapTransform))),d.sheen>0&&(m.sheenColor.value.copy(d.sheenColor).multiplyScalar(d.sheen),m.sheenRoughness.value=d.sheenRoughness,d.sheenColorMap&&(m.sheenColorMap.value=d.sheenColorMap,t(d.sheenColorMap,m.sheenColorMapTransform)),d.sheenRoughnessMap&&(m.sheenRoughnessMap.value=d.sheenRoughnessMap,t(d.sheenRoughnessMap,m.sheenRoughnessMapTransform))),d.clearcoat>0&&(m.clearcoat.value=d.clearcoat,m.clearcoatRoughness.value=d.clearcoatRoughness,d.clearcoatMap&&(m.clearcoatMap.value=d.clearcoatMap,t(d.clearcoatMap,m.clearcoatMapTransform)),d.clearcoatRoughnessMap&&(m.clearcoatRoughnessMap.value=d.clearcoatRoughnessMap,t(d.clearcoatRoughnessMap,m.clearcoatRoughnessMapTransform)),d.clearcoatNormalMap&&(m.clearcoatNormalMap.value=d.clearcoatNormalMap,t(d.clearcoatNormalMap,m.clearcoatNormalMapTransform),m.clearcoatNormalScale.value.copy(d.clearcoatNormalScale),d.side===ai&&m.clearcoatNormalScale.value.negate())),d.dispersion>0&&(m.dispersion.value=d.dispersion),d.retroreflectivity>0&&(m.retroreflectivity.value=d.retroreflectivity),d.iridescence>0&&(m.iridescence.value=d.iridescence,m.iridescenceIOR.value=d.iridescenceIOR,m.iridescenceThicknessMinimum.value=d.iridescenceThicknessMinimum,m.iridescenceThicknessMaximum.value=d.iridescenceThicknessMaximum,d.iridescenceMap&&(m.iridescenceMap.value=d.iridescenceMap,t(d.iridescenceMap,m.iridescenceMapTransform)),d.iridescenceThicknessMap&&(m.iridescenceThicknessMap.value=d.iridescenceThicknessMap,t(d.iridescenceThicknessMap,m.iridescenceThicknessMapTransform))),d.transmission>0&&(m.transmission.value=d.transmission,m.transmissionSamplerMap.value=_.texture,m.transmissionSamplerSize.value.set(_.width,_.height),d.transmissionMap&&(m.transmissionMap.value=d.transmissionMap,t(d.transmissionMap,m.transmissionMapTransform)),m.thickness.value=d.thickness,d.thicknessMap&&(m.thicknessMap.value=d.thicknessMap,t(d.thicknessMap,m.thicknessMapTransform)),m.attenuationDistance.value=d.attenuationDistance,m.attenuationColor.value.copy(d.attenuationColor)),d.anisotropy>0&&(m.anisotropyVector.value.set(d.anisotropy*Math.cos(d.anisotropyRotation),d.anisotropy*Math.sin(d.anisotropyRotation)),d.anisotropyMap&&(m.anisotropyMap.value=d.anisotropyMap,t(d.anisotropyMap,m.anisotropyMapTransform))),m.specularIntensity.value=d.specularIntensity,m.specularColor.value.copy(d.specularColor),d.specularColorMap&&(m.specularColorMap.value=d.specularColorMap,t(d.specularColorMap,m.specularColorMapTransform)),d.specularIntensityMap&&(m.specularIntensityMap.value=d.specularIntensityMap,t(d.specularIntensityMap,m.specularIntensityMapTransform))}function g(m,d){d.matcap&&(m.matcap.value=d.matcap)}function x(m,d){let _=e.get(d).light;m.referencePosition.value.setFromMatrixPosition(_.matrixWorld),m.nearDistance.value=_.shadow.camera.near,m.farDistance.value=_.shadow.camera.far}return{refreshFogUniforms:n,refreshMaterialUniforms:s}}function zA(i,e,t,n){let s={},r={};function o(_,w){let b=w.program;n.uniformBlockBinding(_,b,s[_.id])}function a(_,w){let b=s[_.id];b===void 0&&(g(_),b=l(_),s[_.id]=b,_.addEventListener("dispose",m));let E=w.program;n.updateUBOMapping(_,E);let S=e.render.frame;r[_.id]!==S&&(c(_),r[_.id]=S)}function l(_){let w=i.createBuffer(),b=_.__size,E=_.usage;return i.bindBuffer(i.UNIFORM_BUFFER,w),i.bufferData(i.UNIFORM_BUFFER,b,E),i.bindBuffer(i.UNIFORM_BUFFER,null),w}function c(_){let w=s[_.id],b=_.uniforms,E=_.__cache;i.bindBuffer(i.UNIFORM_BUFFER,w);for(let S=0,y=b.length;S<y;S++){let M=b[S];if(Array.isArray(M))for(let I=0,R=M.length;I<R;I++)h(M[I],S,I,E);else h(M,S,0,E)}i.bindBuffer(i.UNIFORM_BUFFER,null)}function h(_,w,b,E){if(f(_,w,b,E)===!0){let S=_.__offset,y=_.value;if(Array.isArray(y)){let M=0;for(let I=0;I<y.length;I++){let R=y[I],P=x(R,!0);u(R,_.__data,M),M+=P.storage/Float32Array.BYTES_PER_ELEMENT}}else u(y,_.__data,0);i.bufferSubData(i.UNIFORM_BUFFER,S,_.__data)}}function u(_,w,b){typeof _=="number"||typeof _=="boolean"?w[b]=_:_.isMatrix3?(w[b]=_.elements[0],w[b+1]=_.elements[1],w[b+2]=_.elements[2],w[b+3]=0,w[b+4]=_.elements[3],w[b+5]=_.elements[4],w[b+6]=_.elements[5],w[b+7]=0,w[b+8]=_.elements[6],w[b+9]=_.elements[7],w[b+10]=_.elements[8],w[b+11]=0):ArrayBuffer.isView(_)?w.set(_.subarray(0,w.length-b),b):_.toArray(w,b)}function f(_,w,b,E){let S=_.value,y=w+"_"+b;if(Array.isArray(S)){E[y]===void 0&&(E[y]=[]);let M=E[y],I=!1;for(let R=0;R<S.length;R++)p(S[R],M,R)===!0&&(I=!0);return I}return p(S,E,y)}function p(_,w,b){if(w[b]===void 0)return typeof _=="number"||typeof _=="boolean"?w[b]=_:ArrayBuffer.isView(_)?w[b]=_.slice():w[b]=_.clone(),!0;{let E=w[b];if(typeof _=="number"||typeof _=="boolean"){if(E!==_)return w[b]=_,!0}else{if(ArrayBuffer.isView(_))return!0;if(E.equals(_)===!1)return E.copy(_),!0}}return!1}function g(_){let w=_.uniforms,b=0,E=16;for(let y=0,M=w.length;y<M;y++){let I=Array.isArray(w[y])?w[y]:[w[y]];for(let R=0,P=I.length;R<P;R++){let O=I[R],V=Array.isArray(O.value)?O.value:[O.value],L=Array.isArray(w[y])||Array.isArray(O.value),B=b;for(let G=0,ae=V.length;G<ae;G++){let Z=V[G],j=x(Z,L),ne=b%E,fe=ne%j.boundary,ue=ne+fe;b+=fe,ue!==0&&E-ue<j.storage&&(b+=E-ue),G===0&&(B=b),b+=j.storage}let X=O.type==="int"?Int32Array:O.type==="uint"?Uint32Array:Float32Array;O.__data=new X((b-B)/Float32Array.BYTES_PER_ELEMENT),O.__offset=B}}let S=b%E;return S>0&&(b+=E-S),_.__size=b,_.__cache={},this}function x(_,w){let b={boundary:0,storage:0};return typeof _=="number"||typeof _=="boolean"?(b.boundary=4,b.storage=4):_.isVector2?(b.boundary=8,b.storage=8):_.isVector3||_.isColor?(b.boundary=16,b.storage=12):_.isVector4?(b.boundary=16,b.storage=16):_.isMatrix3?(b.boundary=16,b.storage=48):_.isMatrix4?(b.boundary=16,b.storage=64):_.isTexture?Ye("WebGLRenderer: Texture samplers can not be part of an uniforms group."):ArrayBuffer.isView(_)?(b.boundary=16,b.storage=_.byteLength):Ye("WebGLRenderer: Unsupported uniform value type.",_),w===!0&&(b.boundary=16,b.storage=Math.ceil(b.storage/16)*16),b}function m(_){let w=_.target;w.removeEventListener("dispose",m),i.deleteBuffer(s[w.id]),delete s[w.id],delete r[w.id]}function d(){for(let _ in s)i.deleteBuffer(s[_]);s={},r={}}return{bind:o,update:a,dispose:d}}var VA=new Uint16Array([12469,15057,12620,14925,13266,14620,13807,14376,14323,13990,14545,13625,14713,13328,14840,12882,14931,12528,14996,12233,15039,11829,15066,11525,15080,11295,15085,10976,15082,10705,15073,10495,13880,14564,13898,14542,13977,14430,14158,14124,14393,13732,14556,13410,14702,12996,14814,12596,14891,12291,14937,11834,14957,11489,14958,11194,14943,10803,14921,10506,14893,10278,14858,9960,14484,14039,14487,14025,14499,13941,14524,13740,14574,13468,14654,13106,14743,12678,14818,12344,14867,11893,14889,11509,14893,11180,14881,10751,14852,10428,14812,10128,14765,9754,14712,9466,14764,13480,14764,13475,14766,13440,14766,13347,14769,13070,14786,12713,14816,12387,14844,11957,14860,11549,14868,11215,14855,10751,14825,10403,14782,10044,14729,9651,14666,9352,14599,9029,14967,12835,14966,12831,14963,12804,14954,12723,14936,12564,14917,12347,14900,11958,14886,11569,14878,11247,14859,10765,14828,10401,14784,10011,14727,9600,14660,9289,14586,8893,14508,8533,15111,12234,15110,12234,15104,12216,15092,12156,15067,12010,15028,11776,14981,11500,14942,11205,14902,10752,14861,10393,14812,9991,14752,9570,14682,9252,14603,8808,14519,8445,14431,8145,15209,11449,15208,11451,15202,11451,15190,11438,15163,11384,15117,11274,15055,10979,14994,10648,14932,10343,14871,9936,14803,9532,14729,9218,14645,8742,14556,8381,14461,8020,14365,7603,15273,10603,15272,10607,15267,10619,15256,10631,15231,10614,15182,10535,15118,10389,15042,10167,14963,9787,14883,9447,14800,9115,14710,8665,14615,8318,14514,7911,14411,7507,14279,7198,15314,9675,15313,9683,15309,9712,15298,9759,15277,9797,15229,9773,15166,9668,15084,9487,14995,9274,14898,8910,14800,8539,14697,8234,14590,7790,14479,7409,14367,7067,14178,6621,15337,8619,15337,8631,15333,8677,15325,8769,15305,8871,15264,8940,15202,8909,15119,8775,15022,8565,14916,8328,14804,8009,14688,7614,14569,7287,14448,6888,14321,6483,14088,6171,15350,7402,15350,7419,15347,7480,15340,7613,15322,7804,15287,7973,15229,8057,15148,8012,15046,7846,14933,7611,14810,7357,14682,7069,14552,6656,14421,6316,14251,5948,14007,5528,15356,5942,15356,5977,15353,6119,15348,6294,15332,6551,15302,6824,15249,7044,15171,7122,15070,7050,14949,6861,14818,6611,14679,6349,14538,6067,14398,5651,14189,5311,13935,4958,15359,4123,15359,4153,15356,4296,15353,4646,15338,5160,15311,5508,15263,5829,15188,6042,15088,6094,14966,6001,14826,5796,14678,5543,14527,5287,14377,4985,14133,4586,13869,4257,15360,1563,15360,1642,15358,2076,15354,2636,15341,3350,15317,4019,15273,4429,15203,4732,15105,4911,14981,4932,14836,4818,14679,4621,14517,4386,14359,4156,14083,3795,13808,3437,15360,122,15360,137,15358,285,15355,636,15344,1274,15322,2177,15281,2765,15215,3223,15120,3451,14995,3569,14846,3567,14681,3466,14511,3305,14344,3121,14037,2800,13753,2467,15360,0,15360,1,15359,21,15355,89,15346,253,15325,479,15287,796,15225,1148,15133,1492,15008,1749,14856,1882,14685,1886,14506,1783,14324,1608,13996,1398,13702,1183]),gs=null;function HA(){return gs===null&&(gs=new Ic(VA,16,16,hr,Qi),gs.name="DFG_LUT",gs.minFilter=ri,gs.magFilter=ri,gs.wrapS=fs,gs.wrapT=fs,gs.generateMipmaps=!1,gs.needsUpdate=!0),gs}var Vh=class{constructor(e={}){let{canvas:t=g0(),context:n=null,depth:s=!0,stencil:r=!1,alpha:o=!1,antialias:a=!1,premultipliedAlpha:l=!0,preserveDrawingBuffer:c=!1,powerPreference:h="default",failIfMajorPerformanceCaveat:u=!1,reversedDepthBuffer:f=!1,outputBufferType:p=hi}=e;this.isWebGLRenderer=!0;let g;if(n!==null){if(typeof WebGLRenderingContext<"u"&&n instanceof WebGLRenderingContext)throw new Error("THREE.WebGLRenderer: WebGL 1 is not supported since r163.");g=n.getContextAttributes().alpha}else g=o;let x=p,m=new Set([rh,sh,ih]),d=new Set([hi,Ji,Go,Fr,th,nh]),_=new Uint32Array(4),w=new Int32Array(4),b={textures:[],min:[],max:[],resolution:[]},E=null,S=null,y=[],M=[],I=null;this.domElement=t,this.debug={checkShaderErrors:!0,diagnostics:{keywords:!1},onShaderError:null},this.autoClear=!0,this.autoClearColor=!0,this.autoClearDepth=!0,this.autoClearStencil=!0,this.sortObjects=!0,this.clippingPlanes=[],this.localClippingEnabled=!1,this.toneMapping=ms,this.toneMappingExposure=1,this.transmissionResolutionScale=1;let R=this,P=!1,O=null,V=null,L=null,B=null;this._outputColorSpace=wi;let X=0,G=0,ae=null,Z=-1,j=null,ne=new en,fe=new en,ue=null,Q=new ut(0),me=0,ge=t.width,ye=t.height,_e=1,He=null,Ke=null,Oe=new en(0,0,ge,ye),it=new en(0,0,ge,ye),at=!1,st=new er,jt=new Pc,Wt=!1,gn=!1,kt=new Xt,Dn=new F,bt=new en,En={background:null,fog:null,environment:null,overrideMaterial:null,isScene:!0},rn=!1;function _n(){return ae===null?_e:1}let z=n;function Re(C,H){return t.getContext(C,H)}let Ze,ot,we,Vt,Ge,$e,D,A,$,he,re,ve,be,ee,ie,pe,k,se,te,Ae,xe,Se,We;try{let C={alpha:!0,depth:s,stencil:r,antialias:a,premultipliedAlpha:l,preserveDrawingBuffer:c,powerPreference:h,failIfMajorPerformanceCaveat:u};if("setAttribute"in t&&t.setAttribute("data-engine",`three.js r${"187"}`),t.addEventListener("webglcontextlost",ke,!1),t.addEventListener("webglcontextrestored",Qe,!1),t.addEventListener("webglcontextcreationerror",Ce,!1),z===null){let H="webgl2";if(z=Re(H,C),z===null)throw Re(H)?new Error("THREE.WebGLRenderer: Error creating WebGL context with your selected attributes."):new Error("THREE.WebGLRenderer: Error creating WebGL context.")}je()}catch(C){throw t.removeEventListener("webglcontextlost",ke,!1),t.removeEventListener("webglcontextrestored",Qe,!1),t.removeEventListener("webglcontextcreationerror",Ce,!1),et("WebGLRenderer: "+C.message),C}function je(){Ze=new Qw(z),Ze.init(),xe=new UA(z,Ze),ot=new Hw(z,Ze,e,xe),we=new DA(z,Ze),ot.reversedDepthBuffer&&f&&we.buffers.depth.setReversed(!0),V=z.createFramebuffer(),L=z.createFramebuffer(),B=z.createFramebuffer(),Vt=new n1(z),Ge=new xA,$e=new NA(z,Ze,we,Ge,ot,xe,Vt),D=new jw(R),A=new sM(z),Se=new zw(z,A),$=new e1(z,A,Vt,Se),he=new s1(z,$,A,Se,Vt),se=new i1(z,ot,$e),ie=new Gw(Ge),re=new yA(R,D,Ze,ot,Se,ie),ve=new kA(R,Ge),be=new bA,ee=new TA(Ze),k=new kw(R,D,we,he,g,l),pe=new LA(R,he,ot),We=new zA(z,Vt,ot,we),te=new Vw(z,Ze,Vt),Ae=new t1(z,Ze,Vt),Vt.programs=re.programs,R.capabilities=ot,R.extensions=Ze,R.properties=Ge,R.renderLists=be,R.shadowMap=pe,R.state=we,R.info=Vt}x!==hi&&(I=new o1(x,t.width,t.height,a,s,r));let ce=new Ed(R,z);this.xr=ce,this.getContext=function(){return z},this.getContextAttributes=function(){return z.getContextAttributes()},this.forceContextLoss=function(){let C=Ze.get("WEBGL_lose_context");C&&C.loseContext()},this.forceContextRestore=function(){let C=Ze.get("WEBGL_lose_context");C&&C.restoreContext()},this.getPixelRatio=function(){return _e},this.setPixelRatio=function(C){C!==void 0&&(_e=C,this.setSize(ge,ye,!1))},this.getSize=function(C){return C.set(ge,ye)},this.setSize=function(C,H,J=!0){if(ce.isPresenting){Ye("WebGLRenderer: Can't change size while VR device is presenting.");return}ge=C,ye=H,t.width=Math.floor(C*_e),t.height=Math.floor(H*_e),J===!0&&(t.style.width=C+"px",t.style.height=H+"px"),I!==null&&I.setSize(t.width,t.height),this.setViewport(0,0,C,H)},this.getDrawingBufferSize=function(C){return C.set(ge*_e,ye*_e).floor()},this.setDrawingBufferSize=function(C,H,J){ge=C,ye=H,_e=J,t.width=Math.floor(C*J),t.height=Math.floor(H*J),this.setViewport(0,0,C,H)},this.setEffects=function(C){if(x===hi){et("WebGLRenderer: setEffects() requires outputBufferType set to HalfFloatType or FloatType.");return}if(C){for(let H=0;H<C.length;H++)if(C[H].isOutputPass===!0){Ye("WebGLRenderer: OutputPass is not needed in setEffects(). Tone mapping and color space conversion are applied automatically.");break}}I.setEffects(C||[])},this.getCurrentViewport=function(C){return C.copy(ne)},this.getViewport=function(C){return C.copy(Oe)},this.setViewport=function(C,H,J,q){C.isVector4?Oe.set(C.x,C.y,C.z,C.w):Oe.set(C,H,J,q),we.viewport(ne.copy(Oe).multiplyScalar(_n()).round())},this.getScissor=function(C){return C.copy(it)},this.setScissor=function(C,H,J,q){C.isVector4?it.set(C.x,C.y,C.z,C.w):it.set(C,H,J,q),we.scissor(fe.copy(it).multiplyScalar(_n()).round())},this.getScissorTest=function(){return at},this.setScissorTest=function(C){we.setScissorTest(at=C)},this.setOpaqueSort=function(C){He=C},this.setTransparentSort=function(C){Ke=C},this.getClearColor=function(C){return C.copy(k.getClearColor())},this.setClearColor=function(){k.setClearColor(...arguments)},this.getClearAlpha=function(){return k.getClearAlpha()},this.setClearAlpha=function(){k.setClearAlpha(...arguments)},this.clear=function(C=!0,H=!0,J=!0){let q=0;if(C){let Y=!1;if(ae!==null){let Ee=ae.texture.format;Y=m.has(Ee)}if(Y){let Ee=ae.texture.type,Ie=d.has(Ee),Te=k.getClearColor(),Pe=k.getClearAlpha(),Ve=Te.r,tt=Te.g,ft=Te.b;Ie?(_[0]=Ve,_[1]=tt,_[2]=ft,_[3]=Pe,z.clearBufferuiv(z.COLOR,0,_)):(w[0]=Ve,w[1]=tt,w[2]=ft,w[3]=Pe,z.clearBufferiv(z.COLOR,0,w))}else q|=z.COLOR_BUFFER_BIT}H&&(q|=z.DEPTH_BUFFER_BIT,this.state.buffers.depth.setMask(!0)),J&&(q|=z.STENCIL_BUFFER_BIT,this.state.buffers.stencil.setMask(4294967295)),q!==0&&z.clear(q)},this.clearColor=function(){this.clear(!0,!1,!1)},this.clearDepth=function(){this.clear(!1,!0,!1)},this.clearStencil=function(){this.clear(!1,!1,!0)},this.setNodesHandler=function(C){C.setRenderer(this),O=C},this.dispose=function(){t.removeEventListener("webglcontextlost",ke,!1),t.removeEventListener("webglcontextrestored",Qe,!1),t.removeEventListener("webglcontextcreationerror",Ce,!1),k.dispose(),be.dispose(),ee.dispose(),$e.dispose(),Ge.dispose(),D.dispose(),he.dispose(),$.dispose(),Se.dispose(),We.dispose(),re.dispose(),ce.dispose(),ce.removeEventListener("sessionstart",ll),ce.removeEventListener("sessionend",ts),ys.stop()};function ke(C){C.preventDefault(),ld("WebGLRenderer: Context Lost."),P=!0}function Qe(){ld("WebGLRenderer: Context Restored."),P=!1;let C=Vt.autoReset,H=pe.enabled,J=pe.autoUpdate,q=pe.needsUpdate,Y=pe.type;je(),Vt.autoReset=C,pe.enabled=H,pe.autoUpdate=J,pe.needsUpdate=q,pe.type=Y}function Ce(C){et("WebGLRenderer: A WebGL context could not be created. Reason: ",C.statusMessage)}function lt(C){let H=C.target;H.removeEventListener("dispose",lt),$t(H)}function $t(C){Jn(C),Ge.remove(C)}function Jn(C){let H=Ge.get(C).programs;H!==void 0&&(H.forEach(function(J){re.releaseProgram(J)}),C.isShaderMaterial&&re.releaseShaderCache(C))}this.renderBufferDirect=function(C,H,J,q,Y,Ee){H===null&&(H=En);let Ie=Y.isMesh&&Y.matrixWorld.determinantAffine()<0,Te=ea(C,H,J,q,Y);we.setMaterial(q,Ie);let Pe=J.index,Ve=1;if(q.wireframe===!0){if(Pe=$.getWireframeAttribute(J),Pe===void 0)return;Ve=2}let tt=J.drawRange,ft=J.attributes.position,ze=tt.start*Ve,dt=(tt.start+tt.count)*Ve;Ee!==null&&(ze=Math.max(ze,Ee.start*Ve),dt=Math.min(dt,(Ee.start+Ee.count)*Ve)),Pe!==null?(ze=Math.max(ze,0),dt=Math.min(dt,Pe.count)):ft!=null&&(ze=Math.max(ze,0),dt=Math.min(dt,ft.count));let nn=dt-ze;if(nn<0||nn===1/0)return;Se.setup(Y,q,Te,J,Pe);let Ut,Ft=te;if(Pe!==null&&(Ut=A.get(Pe),Ft=Ae,Ft.setIndex(Ut)),Y.isMesh)q.wireframe===!0?(we.setLineWidth(q.wireframeLinewidth*_n()),Ft.setMode(z.LINES)):Ft.setMode(z.TRIANGLES);else if(Y.isLine){let Tn=q.linewidth;Tn===void 0&&(Tn=1),we.setLineWidth(Tn*_n()),Y.isLineSegments?Ft.setMode(z.LINES):Y.isLineLoop?Ft.setMode(z.LINE_LOOP):Ft.setMode(z.LINE_STRIP)}else Y.isPoints?Ft.setMode(z.POINTS):Y.isSprite&&Ft.setMode(z.TRIANGLES);if(Y.isBatchedMesh)if(Ze.get("WEBGL_multi_draw"))Ft.renderMultiDraw(Y._multiDrawStarts,Y._multiDrawCounts,Y._multiDrawCount);else{let Tn=Y._multiDrawStarts,Fe=Y._multiDrawCounts,yn=Y._multiDrawCount,yt=Pe?A.get(Pe).bytesPerElement:1,vs=Ge.get(q).currentProgram.getUniforms();for(let xn=0;xn<yn;xn++)vs.setValue(z,"_gl_DrawID",xn),Ft.render(Tn[xn]/yt,Fe[xn])}else if(Y.isInstancedMesh)Ft.renderInstances(ze,nn,Y.count);else if(J.isInstancedBufferGeometry){let Tn=J._maxInstanceCount!==void 0?J._maxInstanceCount:1/0,Fe=Math.min(J.instanceCount,Tn);Ft.renderInstances(ze,nn,Fe)}else Ft.render(ze,nn)};function Jo(C,H,J,q){O!==null&&C.isNodeMaterial&&O.setObject(q,C),Wt===!0&&ie.setState(C,J,!1),C.transparent===!0&&C.side===Fi&&C.forceSinglePass===!1?(C.side=ai,C.needsUpdate=!0,ns(C,H,q),C.side=cr,C.needsUpdate=!0,ns(C,H,q),C.side=Fi):ns(C,H,q)}this.compile=function(C,H,J=null){J===null&&(J=C),O!==null&&O.renderStart(C,H,J),S=ee.get(J),S.init(H),M.push(S),J.traverseVisible(function(Y){Y.isLight&&Y.layers.test(H.layers)&&(S.pushLight(Y),Y.castShadow&&S.pushShadow(Y))}),C!==J&&C.traverseVisible(function(Y){Y.isLight&&Y.layers.test(H.layers)&&(S.pushLight(Y),Y.castShadow&&S.pushShadow(Y))}),S.setupLights(),O!==null&&O.updateLights(S.state.lightsArray),gn=this.localClippingEnabled,Wt=ie.init(this.clippingPlanes,gn),Wt===!0&&ie.setGlobalState(this.clippingPlanes,H),O!==null&&pe.render(S.state.shadowsArray,J,H);let q=new Set;return C.traverse(function(Y){if(!(Y.isMesh||Y.isPoints||Y.isLine||Y.isSprite))return;let Ee=Y.material;if(Ee)if(Array.isArray(Ee))for(let Ie=0;Ie<Ee.length;Ie++){let Te=Ee[Ie];Jo(Te,J,H,Y),q.add(Te)}else Jo(Ee,J,H,Y),q.add(Ee)}),S=M.pop(),O!==null&&O.renderEnd(),q},this.compileAsync=function(C,H,J=null){let q=this.compile(C,H,J);return new Promise(Y=>{function Ee(){if(q.forEach(function(Ie){let Pe=Ge.get(Ie).currentProgram;(Pe===void 0||Pe.isReady())&&q.delete(Ie)}),q.size===0){Y(C);return}setTimeout(Ee,10)}Ze.get("KHR_parallel_shader_compile")!==null?Ee():setTimeout(Ee,10)})};let Hr=null;function jh(C){Hr&&Hr(C)}function ll(){ys.stop()}function ts(){ys.start()}let ys=new q0;ys.setAnimationLoop(jh),typeof self<"u"&&ys.setContext(self),this.setAnimationLoop=function(C){Hr=C,ce.setAnimationLoop(C),C===null?ys.stop():ys.start()},ce.addEventListener("sessionstart",ll),ce.addEventListener("sessionend",ts),this.render=function(C,H){if(H!==void 0&&H.isCamera!==!0){et("WebGLRenderer.render: camera is not an instance of THREE.Camera.");return}if(P===!0)return;O!==null&&O.renderStart(C,H);let J=ce.enabled===!0&&ce.isPresenting===!0,q=I!==null&&(ae===null||J)&&I.begin(R,ae);if(C.matrixWorldAutoUpdate===!0&&C.updateMatrixWorld(),H.parent===null&&H.matrixWorldAutoUpdate===!0&&H.updateMatrixWorld(),ce.enabled===!0&&ce.isPresenting===!0&&(I===null||I.isCompositing()===!1)&&(ce.cameraAutoUpdate===!0&&ce.updateCamera(H),H=ce.getCamera()),C.isScene===!0&&C.onBeforeRender(R,C,H,ae),S=ee.get(C,M.length),S.init(H),S.state.textureUnits=$e.getTextureUnits(),M.push(S),kt.multiplyMatrices(H.projectionMatrix,H.matrixWorldInverse),H.isArrayCamera?jt.setFromArrayCamera(H):st.setFromProjectionMatrix(kt,Ui,H.reversedDepth),gn=this.localClippingEnabled,Wt=ie.init(this.clippingPlanes,gn),E=be.get(C,y.length),E.init(),y.push(E),this.info.render.frame++,ce.enabled===!0&&ce.isPresenting===!0){let Ie=R.xr.getDepthSensingMesh();Ie!==null&&xs(Ie,H,-1/0,R.sortObjects)}xs(C,H,0,R.sortObjects),E.finish(),O!==null&&O.updateLights(S.state.lightsArray),R.sortObjects===!0&&E.sort(He,Ke),rn=ce.enabled===!1||ce.isPresenting===!1||ce.hasDepthSensing()===!1,rn&&k.addToRenderList(E,C),this.info.autoReset===!0&&this.info.reset(),Wt===!0&&ie.beginShadows();let Y=S.state.shadowsArray;if(pe.render(Y,C,H),Wt===!0&&ie.endShadows(),(q&&I.hasRenderPass())===!1){let Ie=E.opaque,Te=E.transmissive;if(S.setupLights(),H.isArrayCamera){let Pe=H.cameras;if(Te.length>0)for(let Ve=0,tt=Pe.length;Ve<tt;Ve++){let ft=Pe[Ve];zi(Ie,Te,C,ft)}rn&&k.render(C);for(let Ve=0,tt=Pe.length;Ve<tt;Ve++){let ft=Pe[Ve];jo(E,C,ft,ft.viewport)}}else Te.length>0&&zi(Ie,Te,C,H),rn&&k.render(C),jo(E,C,H)}ae!==null&&G===0&&($e.updateMultisampleRenderTarget(ae),$e.updateRenderTargetMipmap(ae)),q&&I.end(R),C.isScene===!0&&C.onAfterRender(R,C,H),Se.resetDefaultState(),Z=-1,j=null,M.pop(),M.length>0?(S=M[M.length-1],$e.setTextureUnits(S.state.textureUnits),Wt===!0&&ie.setGlobalState(R.clippingPlanes,S.state.camera)):S=null,y.pop(),y.length>0?E=y[y.length-1]:E=null,O!==null&&O.renderEnd()};function xs(C,H,J,q){if(C.visible===!1)return;if(C.layers.test(H.layers)){if(C.isGroup)J=C.renderOrder;else if(C.isLOD)C.autoUpdate===!0&&C.update(H);else if(C.isLight)S.pushLight(C),C.castShadow&&S.pushShadow(C);else if(C.isSprite){let Ie=H.isArrayCamera?jt:st;if(!C.frustumCulled||C.intersectsFrustum(Ie)){q&&bt.setFromMatrixPosition(C.matrixWorld).applyMatrix4(kt);let Te=he.update(C),Pe=C.material;Pe.visible&&E.push(C,Te,Pe,J,bt.z,null,H)}}else if(C.isMesh||C.isLine||C.isPoints){let Ie=H.isArrayCamera?jt:st;if(!C.frustumCulled||C.intersectsFrustum(Ie)){let Te=he.update(C),Pe=C.material;if(q&&(C.boundingSphere!==void 0?(C.boundingSphere===null&&C.computeBoundingSphere(),bt.copy(C.boundingSphere.center)):(Te.boundingSphere===null&&Te.computeBoundingSphere(),bt.copy(Te.boundingSphere.center)),bt.applyMatrix4(C.matrixWorld).applyMatrix4(kt)),Array.isArray(Pe)){let Ve=Te.groups;for(let tt=0,ft=Ve.length;tt<ft;tt++){let ze=Ve[tt],dt=Pe[ze.materialIndex];dt&&dt.visible&&E.push(C,Te,dt,J,bt.z,ze,H)}}else Pe.visible&&E.push(C,Te,Pe,J,bt.z,null,H)}}}let Ee=C.children;for(let Ie=0,Te=Ee.length;Ie<Te;Ie++)xs(Ee[Ie],H,J,q)}function jo(C,H,J,q){let{opaque:Y,transmissive:Ee,transparent:Ie}=C;S.setupLightsView(J),Wt===!0&&ie.setGlobalState(R.clippingPlanes,J),q&&we.viewport(ne.copy(q)),Y.length>0&&on(Y,H,J),Ee.length>0&&on(Ee,H,J),Ie.length>0&&on(Ie,H,J),we.buffers.depth.setTest(!0),we.buffers.depth.setMask(!0),we.buffers.color.setMask(!0),we.setPolygonOffset(!1)}function zi(C,H,J,q){if((J.isScene===!0?J.overrideMaterial:null)!==null)return;if(S.state.transmissionRenderTarget[q.id]===void 0){let ze=Ze.has("EXT_color_buffer_half_float")||Ze.has("EXT_color_buffer_float");S.state.transmissionRenderTarget[q.id]=new Ai(1,1,{generateMipmaps:!0,type:ze?Qi:hi,minFilter:Fs,samples:Math.max(4,ot.samples),stencilBuffer:r,resolveDepthBuffer:!1,resolveStencilBuffer:!1,storeMultisampledDepthBuffer:!1,storeMultisampledStencilBuffer:!1,colorSpace:vt.workingColorSpace})}let Ee=S.state.transmissionRenderTarget[q.id],Ie=q.viewport||ne;Ee.setSize(Ie.z*R.transmissionResolutionScale,Ie.w*R.transmissionResolutionScale);let Te=R.getRenderTarget(),Pe=R.getActiveCubeFace(),Ve=R.getActiveMipmapLevel();R.setRenderTarget(Ee),R.getClearColor(Q),me=R.getClearAlpha(),me<1&&R.setClearColor(16777215,.5),R.clear(),rn&&k.render(J);let tt=R.toneMapping;R.toneMapping=ms;let ft=q.viewport;if(q.viewport!==void 0&&(q.viewport=void 0),S.setupLightsView(q),Wt===!0&&ie.setGlobalState(R.clippingPlanes,q),on(C,J,q),$e.updateMultisampleRenderTarget(Ee),$e.updateRenderTargetMipmap(Ee),Ze.has("WEBGL_multisampled_render_to_texture")===!1){let ze=!1;for(let dt=0,nn=H.length;dt<nn;dt++){let Ut=H[dt],{object:Ft,geometry:Tn,material:Fe,group:yn}=Ut;if(Fe.side===Fi&&Ft.layers.test(q.layers)){let yt=Fe.side;Fe.side=ai,Fe.needsUpdate=!0,dn(Ft,J,q,Tn,Fe,yn),Fe.side=yt,Fe.needsUpdate=!0,ze=!0}}ze===!0&&($e.updateMultisampleRenderTarget(Ee),$e.updateRenderTargetMipmap(Ee))}R.setRenderTarget(Te,Pe,Ve),R.setClearColor(Q,me),ft!==void 0&&(q.viewport=ft),R.toneMapping=tt}function on(C,H,J){let q=H.isScene===!0?H.overrideMaterial:null;for(let Y=0,Ee=C.length;Y<Ee;Y++){let Ie=C[Y],{object:Te,geometry:Pe,group:Ve}=Ie,tt=Ie.material;tt.allowOverride===!0&&q!==null&&(tt=q),Te.layers.test(J.layers)&&dn(Te,H,J,Pe,tt,Ve)}}function dn(C,H,J,q,Y,Ee){O!==null&&Y.isNodeMaterial&&O.setObject(C,Y),C.onBeforeRender(R,H,J,q,Y,Ee),C.modelViewMatrix.multiplyMatrices(J.matrixWorldInverse,C.matrixWorld),C.normalMatrix.getNormalMatrix(C.modelViewMatrix),Y.onBeforeRender(R,H,J,q,C,Ee),Y.transparent===!0&&Y.side===Fi&&Y.forceSinglePass===!1?(Y.side=ai,Y.needsUpdate=!0,R.renderBufferDirect(J,H,q,Y,C,Ee),Y.side=cr,Y.needsUpdate=!0,R.renderBufferDirect(J,H,q,Y,C,Ee),Y.side=Fi):R.renderBufferDirect(J,H,q,Y,C,Ee),C.onAfterRender(R,H,J,q,Y,Ee)}function pn(C){let H=0;for(let J of C)J.texture!==null&&H++;return H}function ns(C,H,J){H.isScene!==!0&&(H=En);let q=Ge.get(C),Y=S.state.lights,Ee=S.state.shadowsArray,Ie=Y.state.version,Te=re.getParameters(C,Y.state,Ee,H,J,S.state.lightProbeGridArray),Pe=re.getProgramCacheKey(Te),Ve=q.programs;q.environment=C.isMeshStandardMaterial||C.isMeshLambertMaterial||C.isMeshPhongMaterial?H.environment:null,q.fog=H.fog;let tt=C.isMeshStandardMaterial||C.isMeshLambertMaterial&&!C.envMap||C.isMeshPhongMaterial&&!C.envMap;q.envMap=D.get(C.envMap||q.environment,tt),q.envMapRotation=q.environment!==null&&C.envMap===null?H.environmentRotation:C.envMapRotation,Ve===void 0&&(C.addEventListener("dispose",lt),Ve=new Map,q.programs=Ve,q.programVariants=new Map);let ft=Ve.get(Pe);if(ft!==void 0){if(q.currentProgram===ft&&q.lightsStateVersion===Ie)return Qo(C,Te),ft}else Te.uniforms=re.getUniforms(C),O!==null&&C.isNodeMaterial&&O.build(C,J,Te),C.onBeforeCompile(Te,R),ft=re.acquireProgram(Te,Pe),Ve.set(Pe,ft),q.uniforms=Te.uniforms;let ze=q.uniforms;return(!C.isShaderMaterial&&!C.isRawShaderMaterial||C.clipping===!0)&&(ze.clippingPlanes=ie.uniform),Qo(C,Te),q.needsLights=zs(C),q.lightsStateVersion=Ie,q.needsLights&&(ze.ambientLightColor.value=Y.state.ambient,ze.lightProbe.value=Y.state.probe,ze.sunLights.value=Y.state.sun,ze.sunLightShadows.value=Y.state.sunShadow,ze.directionalLights.value=Y.state.directional,ze.directionalLightShadows.value=Y.state.directionalShadow,ze.spotLights.value=Y.state.spot,ze.spotLightShadows.value=Y.state.spotShadow,ze.rectAreaLights.value=Y.state.rectArea,ze.ltc_1.value=Y.state.rectAreaLTC1,ze.ltc_2.value=Y.state.rectAreaLTC2,ze.pointLights.value=Y.state.point,ze.pointLightShadows.value=Y.state.pointShadow,ze.hemisphereLights.value=Y.state.hemi,ze.sunShadowMatrix.value=Y.state.sunShadowMatrix,ze.sunShadowCascade.value=Y.state.sunShadowCascade,ze.directionalShadowMatrix.value=Y.state.directionalShadowMatrix,ze.spotLightMatrix.value=Y.state.spotLightMatrix,ze.spotLightMap.value=Y.state.spotLightMap,ze.pointShadowMatrix.value=Y.state.pointShadowMatrix),q.numLightProbeGrids=pn(S.state.lightProbeGridArray),q.currentProgram=ft,q.uniformsList=null,ft}function di(C,H,J,q,Y){let Ee=Ge.get(C),Ie=Ee.currentProgram.id+","+q+","+Y,Te=Ee.programVariants.get(Ie);return Te===void 0?(Te=ns(C,H,J),Ee.programVariants.set(Ie,Te)):(Ee.currentProgram=Te,Ee.uniformsList=null,Ee.outputColorSpace=q,Ee.toneMapping=Y),Te}function ks(C){if(C.uniformsList===null){let H=C.currentProgram.getUniforms();C.uniformsList=Xo.seqWithValue(H.seq,C.uniforms)}return C.uniformsList}function Qo(C,H){let J=Ge.get(C);J.outputColorSpace=H.outputColorSpace,J.batching=H.batching,J.batchingColor=H.batchingColor,J.instancing=H.instancing,J.instancingColor=H.instancingColor,J.instancingMorph=H.instancingMorph,J.skinning=H.skinning,J.morphTargets=H.morphTargets,J.morphNormals=H.morphNormals,J.morphColors=H.morphColors,J.morphTargetsCount=H.morphTargetsCount,J.numClippingPlanes=H.numClippingPlanes,J.numIntersection=H.numClipIntersection,J.vertexAlphas=H.vertexAlphas,J.vertexTangents=H.vertexTangents,J.toneMapping=H.toneMapping}function ea(C,H,J,q,Y){H.isScene!==!0&&(H=En),$e.resetTextureUnits();let Ee=H.fog,Ie=q.isMeshStandardMaterial||q.isMeshLambertMaterial||q.isMeshPhongMaterial?H.environment:null,Te=ae===null?R.outputColorSpace:ae.isXRRenderTarget===!0?ae.texture.colorSpace:vt.workingColorSpace,Pe=q.isMeshStandardMaterial||q.isMeshLambertMaterial&&!q.envMap||q.isMeshPhongMaterial&&!q.envMap,Ve=D.get(q.envMap||Ie,Pe),tt=q.vertexColors===!0&&!!J.attributes.color&&J.attributes.color.itemSize===4,ft=!!J.attributes.tangent&&(!!q.normalMap||q.anisotropy>0),ze=!!J.morphAttributes.position,dt=!!J.morphAttributes.normal,nn=!!J.morphAttributes.color,Ut=ms;q.toneMapped&&(ae===null||ae.isXRRenderTarget===!0)&&(Ut=R.toneMapping);let Ft=J.morphAttributes.position||J.morphAttributes.normal||J.morphAttributes.color,Tn=Ft!==void 0?Ft.length:0,Fe=Ge.get(q),yn=S.state.lights;if(Wt===!0&&(gn===!0||C!==j)){let Ot=C===j&&q.id===Z;ie.setState(q,C,Ot)}let yt=!1,vs=!1;q.version===Fe.__version?Fe.needsLights&&Fe.lightsStateVersion!==yn.state.version||Y.isBatchedMesh&&Fe.batching===!1||!Y.isBatchedMesh&&Fe.batching===!0||Y.isBatchedMesh&&Fe.batchingColor===!0&&Y._colorsTexture===null||Y.isBatchedMesh&&Fe.batchingColor===!1&&Y._colorsTexture!==null||Y.isInstancedMesh&&Fe.instancing===!1||!Y.isInstancedMesh&&Fe.instancing===!0||Y.isSkinnedMesh&&Fe.skinning===!1||!Y.isSkinnedMesh&&Fe.skinning===!0||Y.isInstancedMesh&&Fe.instancingColor===!0&&Y.instanceColor===null||Y.isInstancedMesh&&Fe.instancingColor===!1&&Y.instanceColor!==null||Y.isInstancedMesh&&Fe.instancingMorph===!0&&Y.morphTexture===null||Y.isInstancedMesh&&Fe.instancingMorph===!1&&Y.morphTexture!==null||Fe.envMap!==Ve||q.fog===!0&&Fe.fog!==Ee||Fe.numClippingPlanes!==void 0&&(Fe.numClippingPlanes!==ie.numPlanes||Fe.numIntersection!==ie.numIntersection)||Fe.vertexAlphas!==tt||Fe.vertexTangents!==ft||Fe.morphTargets!==ze||Fe.morphNormals!==dt||Fe.morphColors!==nn||Fe.morphTargetsCount!==Tn||Fe.numLightProbeGrids!==pn(S.state.lightProbeGridArray)?yt=!0:(Fe.outputColorSpace!==Te||Fe.toneMapping!==Ut)&&(vs=!0):(yt=!0,Fe.__version=q.version);let xn=Fe.currentProgram;(yt===!0||vs===!0)&&(xn=vs===!0?di(q,H,Y,Te,Ut):ns(q,H,Y),O&&q.isNodeMaterial&&O.onUpdateProgram(q,xn,Fe));let Xr=!1,is=!1,bs=!1,ct=xn.getUniforms(),an=Fe.uniforms;if(we.useProgram(xn.program)&&(Xr=!0,is=!0,bs=!0),q.id!==Z&&(Z=q.id,is=!0),Xr||j!==C){we.buffers.depth.getReversed()&&C.reversedDepth!==!0&&(C._reversedDepth=!0,C.updateProjectionMatrix()),ct.setValue(z,"projectionMatrix",C.projectionMatrix),ct.setValue(z,"viewMatrix",C.matrixWorldInverse);let vn=ct.map.cameraPosition;vn!==void 0&&vn.setValue(z,Dn.setFromMatrixPosition(C.matrixWorld)),ot.logarithmicDepthBuffer&&ct.setValue(z,"logDepthBufFC",2/(Math.log(C.far+1)/Math.LN2)),(q.isMeshPhongMaterial||q.isMeshToonMaterial||q.isMeshLambertMaterial||q.isMeshBasicMaterial||q.isMeshStandardMaterial||q.isShaderMaterial)&&ct.setValue(z,"isOrthographic",C.isOrthographicCamera===!0),j!==C&&(j=C,is=!0,bs=!0)}if(Fe.needsLights&&(yn.state.sunShadowMap.length>0&&ct.setValue(z,"sunShadowMap",yn.state.sunShadowMap,$e),yn.state.directionalShadowMap.length>0&&ct.setValue(z,"directionalShadowMap",yn.state.directionalShadowMap,$e),yn.state.spotShadowMap.length>0&&ct.setValue(z,"spotShadowMap",yn.state.spotShadowMap,$e),yn.state.pointShadowMap.length>0&&ct.setValue(z,"pointShadowMap",yn.state.pointShadowMap,$e)),Y.isSkinnedMesh){ct.setOptional(z,Y,"bindMatrix"),ct.setOptional(z,Y,"bindMatrixInverse");let Ot=Y.skeleton;Ot&&(Ot.boneTexture===null&&Ot.computeBoneTexture(),ct.setValue(z,"boneTexture",Ot.boneTexture,$e))}Y.isBatchedMesh&&(ct.setOptional(z,Y,"batchingTexture"),ct.setValue(z,"batchingTexture",Y._matricesTexture,$e),ct.setOptional(z,Y,"batchingIdTexture"),ct.setValue(z,"batchingIdTexture",Y._indirectTexture,$e),ct.setOptional(z,Y,"batchingColorTexture"),Y._colorsTexture!==null&&ct.setValue(z,"batchingColorTexture",Y._colorsTexture,$e));let jn=J.morphAttributes;if((jn.position!==void 0||jn.normal!==void 0||jn.color!==void 0)&&se.update(Y,J,xn),(is||Fe.receiveShadow!==Y.receiveShadow)&&(Fe.receiveShadow=Y.receiveShadow,ct.setValue(z,"receiveShadow",Y.receiveShadow)),(q.isMeshStandardMaterial||q.isMeshLambertMaterial||q.isMeshPhongMaterial)&&q.envMap===null&&H.environment!==null&&(an.envMapIntensity.value=H.environmentIntensity),an.dfgLUT!==void 0&&(an.dfgLUT.value=HA()),is){if(ct.setValue(z,"toneMappingExposure",R.toneMappingExposure),Fe.needsLights&&Gr(an,bs),Ee&&q.fog===!0&&ve.refreshFogUniforms(an,Ee),ve.refreshMaterialUniforms(an,q,_e,ye,S.state.transmissionRenderTarget[C.id]),Fe.needsLights&&Fe.numLightProbeGrids>0){let Ot=b,vn=0;for(let Wn of S.state.lightProbeGridArray)Wn.texture!==null&&(Ot.textures[vn]=Wn.texture,Ot.min[vn]=Wn.boundingBox.min,Ot.max[vn]=Wn.boundingBox.max,Ot.resolution[vn]=Wn.resolution,vn++);for(let Wn in Ot)Ot[Wn].length=vn;an.probesSH.value=Ot.textures,an.probesMin.value=Ot.min,an.probesMax.value=Ot.max,an.probesResolution.value=Ot.resolution}Xo.upload(z,ks(Fe),an,$e)}if(q.isShaderMaterial&&q.uniformsNeedUpdate===!0&&(Xo.upload(z,ks(Fe),an,$e),q.uniformsNeedUpdate=!1),q.isSpriteMaterial&&ct.setValue(z,"center",Y.center),ct.setValue(z,"modelViewMatrix",Y.modelViewMatrix),ct.setValue(z,"normalMatrix",Y.normalMatrix),ct.setValue(z,"modelMatrix",Y.matrixWorld),q.uniformsGroups!==void 0){let Ot=q.uniformsGroups;for(let vn=0,Wn=Ot.length;vn<Wn;vn++){let cl=Ot[vn];We.update(cl,xn),We.bind(cl,xn)}}return xn}function Gr(C,H){C.ambientLightColor.needsUpdate=H,C.lightProbe.needsUpdate=H,C.sunLights.needsUpdate=H,C.sunLightShadows.needsUpdate=H,C.directionalLights.needsUpdate=H,C.directionalLightShadows.needsUpdate=H,C.pointLights.needsUpdate=H,C.pointLightShadows.needsUpdate=H,C.spotLights.needsUpdate=H,C.spotLightShadows.needsUpdate=H,C.rectAreaLights.needsUpdate=H,C.hemisphereLights.needsUpdate=H}function zs(C){return C.isMeshLambertMaterial||C.isMeshToonMaterial||C.isMeshPhongMaterial||C.isMeshStandardMaterial||C.isShadowMaterial||C.isShaderMaterial&&C.lights===!0}this.getActiveCubeFace=function(){return X},this.getActiveMipmapLevel=function(){return G},this.getRenderTarget=function(){return ae},this.setRenderTargetTextures=function(C,H,J){let q=Ge.get(C);q.__autoAllocateDepthBuffer=C.resolveDepthBuffer===!1,q.__autoAllocateDepthBuffer===!1&&(q.__useRenderToTexture=!1),Ge.get(C.texture).__webglTexture=H,Ge.get(C.depthTexture).__webglTexture=q.__autoAllocateDepthBuffer?void 0:J,q.__hasExternalTextures=!0},this.setRenderTargetFramebuffer=function(C,H){let J=Ge.get(C);J.__webglFramebuffer=H,J.__useDefaultFramebuffer=H===void 0},this.setRenderTarget=function(C,H=0,J=0){ae=C,X=H,G=J;let q=null,Y=!1,Ee=!1;if(C){let Te=Ge.get(C);if(Te.__useDefaultFramebuffer!==void 0){we.bindFramebuffer(z.FRAMEBUFFER,Te.__webglFramebuffer),ne.copy(C.viewport),fe.copy(C.scissor),ue=C.scissorTest,we.viewport(ne),we.scissor(fe),we.setScissorTest(ue),Z=-1;return}else if(Te.__webglFramebuffer===void 0)$e.setupRenderTarget(C);else if(Te.__hasExternalTextures)$e.rebindTextures(C,Ge.get(C.texture).__webglTexture,Ge.get(C.depthTexture).__webglTexture);else if(C.depthBuffer){let tt=C.depthTexture;if(Te.__boundDepthTexture!==tt){if(tt!==null&&Ge.has(tt)&&(C.width!==tt.image.width||C.height!==tt.image.height))throw new Error("THREE.WebGLRenderer: Attached DepthTexture is initialized to the incorrect size.");$e.setupDepthRenderbuffer(C)}}let Pe=C.texture;(Pe.isData3DTexture||Pe.isDataArrayTexture||Pe.isCompressedArrayTexture)&&(Ee=!0);let Ve=Ge.get(C).__webglFramebuffer;C.isWebGLCubeRenderTarget?(Array.isArray(Ve[H])?q=Ve[H][J]:q=Ve[H],Y=!0):C.samples>0&&$e.useMultisampledRTT(C)===!1?q=Ge.get(C).__webglMultisampledFramebuffer:Array.isArray(Ve)?q=Ve[J]:q=Ve,ne.copy(C.viewport),fe.copy(C.scissor),ue=C.scissorTest}else ne.copy(Oe).multiplyScalar(_e).floor(),fe.copy(it).multiplyScalar(_e).floor(),ue=at;if(J!==0&&(q=V),we.bindFramebuffer(z.FRAMEBUFFER,q)&&we.drawBuffers(C,q),we.viewport(ne),we.scissor(fe),we.setScissorTest(ue),Y){let Te=Ge.get(C.texture);z.framebufferTexture2D(z.FRAMEBUFFER,z.COLOR_ATTACHMENT0,z.TEXTURE_CUBE_MAP_POSITIVE_X+H,Te.__webglTexture,J)}else if(Ee){let Te=H;for(let Pe=0;Pe<C.textures.length;Pe++){let Ve=Ge.get(C.textures[Pe]);z.framebufferTextureLayer(z.FRAMEBUFFER,z.COLOR_ATTACHMENT0+Pe,Ve.__webglTexture,J,Te)}}else if(C!==null&&J!==0){let Te=Ge.get(C.texture);z.framebufferTexture2D(z.FRAMEBUFFER,z.COLOR_ATTACHMENT0,z.TEXTURE_2D,Te.__webglTexture,J)}Z=-1};function Wr(C){let H=Ge.get(C);return(H.__readFormat!==C.format||H.__readType!==C.type)&&(H.__readFormat=C.format,H.__readType=C.type,H.__formatReadable=ot.textureFormatReadable(C.format),H.__typeReadable=ot.textureTypeReadable(C.type)),H}this.readRenderTargetPixels=function(C,H,J,q,Y,Ee,Ie,Te=0){if(!(C&&C.isWebGLRenderTarget)){et("WebGLRenderer.readRenderTargetPixels: renderTarget is not THREE.WebGLRenderTarget.");return}let Pe=Ge.get(C).__webglFramebuffer;if(C.isWebGLCubeRenderTarget&&Ie!==void 0&&(Pe=Pe[Ie],Array.isArray(Pe)&&(Pe=Pe[0])),Pe){we.bindFramebuffer(z.FRAMEBUFFER,Pe);try{let Ve=C.textures[Te],tt=Ve.format,ft=Ve.type;C.textures.length>1&&z.readBuffer(z.COLOR_ATTACHMENT0+Te);let ze=Wr(Ve);if(ze.__formatReadable===!1){et("WebGLRenderer.readRenderTargetPixels: renderTarget is not in RGBA or implementation defined format.");return}if(ze.__typeReadable===!1){et("WebGLRenderer.readRenderTargetPixels: renderTarget is not in UnsignedByteType or implementation defined type.");return}H>=0&&H<=C.width-q&&J>=0&&J<=C.height-Y&&z.readPixels(H,J,q,Y,xe.convert(tt),xe.convert(ft),Ee)}finally{let Ve=ae!==null?Ge.get(ae).__webglFramebuffer:null;we.bindFramebuffer(z.FRAMEBUFFER,Ve)}}},this.readRenderTargetPixelsAsync=async function(C,H,J,q,Y,Ee,Ie,Te=0){if(!(C&&C.isWebGLRenderTarget))throw new Error("THREE.WebGLRenderer.readRenderTargetPixels: renderTarget is not THREE.WebGLRenderTarget.");let Pe=Ge.get(C).__webglFramebuffer;if(C.isWebGLCubeRenderTarget&&Ie!==void 0&&(Pe=Pe[Ie],Array.isArray(Pe)&&(Pe=Pe[0])),Pe)if(H>=0&&H<=C.width-q&&J>=0&&J<=C.height-Y){we.bindFramebuffer(z.FRAMEBUFFER,Pe);let Ve=C.textures[Te],tt=Ve.format,ft=Ve.type;C.textures.length>1&&z.readBuffer(z.COLOR_ATTACHMENT0+Te);let ze=Wr(Ve);if(ze.__formatReadable===!1)throw new Error("THREE.WebGLRenderer.readRenderTargetPixelsAsync: renderTarget is not in RGBA or implementation defined format.");if(ze.__typeReadable===!1)throw new Error("THREE.WebGLRenderer.readRenderTargetPixelsAsync: renderTarget is not in UnsignedByteType or implementation defined type.");let dt=z.createBuffer();z.bindBuffer(z.PIXEL_PACK_BUFFER,dt),z.bufferData(z.PIXEL_PACK_BUFFER,Ee.byteLength,z.STREAM_READ),z.readPixels(H,J,q,Y,xe.convert(tt),xe.convert(ft),0),z.bindBuffer(z.PIXEL_PACK_BUFFER,null);let nn=ae!==null?Ge.get(ae).__webglFramebuffer:null;we.bindFramebuffer(z.FRAMEBUFFER,nn);let Ut=z.fenceSync(z.SYNC_GPU_COMMANDS_COMPLETE,0);return z.flush(),await y0(z,Ut,4),z.bindBuffer(z.PIXEL_PACK_BUFFER,dt),z.getBufferSubData(z.PIXEL_PACK_BUFFER,0,Ee),z.bindBuffer(z.PIXEL_PACK_BUFFER,null),z.deleteBuffer(dt),z.deleteSync(Ut),Ee}else throw new Error("THREE.WebGLRenderer.readRenderTargetPixelsAsync: requested read bounds are out of range.")},this.copyFramebufferToTexture=function(C,H=null,J=0){let q=Math.pow(2,-J),Y=Math.floor(C.image.width*q),Ee=Math.floor(C.image.height*q),Ie=H!==null?H.x:0,Te=H!==null?H.y:0;$e.setTexture2D(C,0),z.copyTexSubImage2D(z.TEXTURE_2D,J,0,0,Ie,Te,Y,Ee),we.unbindTexture()},this.copyTextureToTexture=function(C,H,J=null,q=null,Y=0,Ee=0){let Ie,Te,Pe,Ve,tt,ft,ze,dt,nn,Ut=C.isCompressedTexture?C.mipmaps[Ee]:C.image;if(J!==null)Ie=J.max.x-J.min.x,Te=J.max.y-J.min.y,Pe=J.isBox3?J.max.z-J.min.z:1,Ve=J.min.x,tt=J.min.y,ft=J.isBox3?J.min.z:0;else{let ct=Math.pow(2,-Y);Ie=Math.floor(Ut.width*ct),Te=Math.floor(Ut.height*ct),C.isDataArrayTexture?Pe=Ut.depth:C.isData3DTexture?Pe=Math.floor(Ut.depth*ct):Pe=1,Ve=0,tt=0,ft=0}q!==null?(ze=q.x,dt=q.y,nn=q.z):(ze=0,dt=0,nn=0);let Ft=xe.convert(H.format),Tn=xe.convert(H.type),Fe;H.isData3DTexture?($e.setTexture3D(H,0),Fe=z.TEXTURE_3D):H.isDataArrayTexture||H.isCompressedArrayTexture?($e.setTexture2DArray(H,0),Fe=z.TEXTURE_2D_ARRAY):($e.setTexture2D(H,0),Fe=z.TEXTURE_2D),we.activeTexture(z.TEXTURE0),we.pixelStorei(z.UNPACK_FLIP_Y_WEBGL,H.flipY),we.pixelStorei(z.UNPACK_PREMULTIPLY_ALPHA_WEBGL,H.premultiplyAlpha),we.pixelStorei(z.UNPACK_ALIGNMENT,H.unpackAlignment);let yn=we.getParameter(z.UNPACK_ROW_LENGTH),yt=we.getParameter(z.UNPACK_IMAGE_HEIGHT),vs=we.getParameter(z.UNPACK_SKIP_PIXELS),xn=we.getParameter(z.UNPACK_SKIP_ROWS),Xr=we.getParameter(z.UNPACK_SKIP_IMAGES);we.pixelStorei(z.UNPACK_ROW_LENGTH,Ut.width),we.pixelStorei(z.UNPACK_IMAGE_HEIGHT,Ut.height),we.pixelStorei(z.UNPACK_SKIP_PIXELS,Ve),we.pixelStorei(z.UNPACK_SKIP_ROWS,tt),we.pixelStorei(z.UNPACK_SKIP_IMAGES,ft);let is=C.isDataArrayTexture||C.isData3DTexture,bs=H.isDataArrayTexture||H.isData3DTexture;if(C.isDepthTexture){let ct=Ge.get(C),an=Ge.get(H),jn=Ge.get(ct.__renderTarget),Ot=Ge.get(an.__renderTarget);we.bindFramebuffer(z.READ_FRAMEBUFFER,jn.__webglFramebuffer),we.bindFramebuffer(z.DRAW_FRAMEBUFFER,Ot.__webglFramebuffer);for(let vn=0;vn<Pe;vn++)is&&(z.framebufferTextureLayer(z.READ_FRAMEBUFFER,z.COLOR_ATTACHMENT0,Ge.get(C).__webglTexture,Y,ft+vn),z.framebufferTextureLayer(z.DRAW_FRAMEBUFFER,z.COLOR_ATTACHMENT0,Ge.get(H).__webglTexture,Ee,nn+vn)),z.blitFramebuffer(Ve,tt,Ve+Ie,tt+Te,ze,dt,ze+Ie,dt+Te,z.DEPTH_BUFFER_BIT,z.NEAREST);we.bindFramebuffer(z.READ_FRAMEBUFFER,null),we.bindFramebuffer(z.DRAW_FRAMEBUFFER,null)}else if(Y!==0||C.isRenderTargetTexture||Ge.has(C)){let ct=Ge.get(C),an=Ge.get(H);we.bindFramebuffer(z.READ_FRAMEBUFFER,L),we.bindFramebuffer(z.DRAW_FRAMEBUFFER,B);for(let jn=0;jn<Pe;jn++)is?z.framebufferTextureLayer(z.READ_FRAMEBUFFER,z.COLOR_ATTACHMENT0,ct.__webglTexture,Y,ft+jn):z.framebufferTexture2D(z.READ_FRAMEBUFFER,z.COLOR_ATTACHMENT0,z.TEXTURE_2D,ct.__webglTexture,Y),bs?z.framebufferTextureLayer(z.DRAW_FRAMEBUFFER,z.COLOR_ATTACHMENT0,an.__webglTexture,Ee,nn+jn):z.framebufferTexture2D(z.DRAW_FRAMEBUFFER,z.COLOR_ATTACHMENT0,z.TEXTURE_2D,an.__webglTexture,Ee),Y!==0?z.blitFramebuffer(Ve,tt,Ve+Ie,tt+Te,ze,dt,ze+Ie,dt+Te,z.COLOR_BUFFER_BIT,z.NEAREST):bs?z.copyTexSubImage3D(Fe,Ee,ze,dt,nn+jn,Ve,tt,Ie,Te):z.copyTexSubImage2D(Fe,Ee,ze,dt,Ve,tt,Ie,Te);we.bindFramebuffer(z.READ_FRAMEBUFFER,null),we.bindFramebuffer(z.DRAW_FRAMEBUFFER,null)}else bs?C.isDataTexture||C.isData3DTexture?z.texSubImage3D(Fe,Ee,ze,dt,nn,Ie,Te,Pe,Ft,Tn,Ut.data):H.isCompressedArrayTexture?z.compressedTexSubImage3D(Fe,Ee,ze,dt,nn,Ie,Te,Pe,Ft,Ut.data):z.texSubImage3D(Fe,Ee,ze,dt,nn,Ie,Te,Pe,Ft,Tn,Ut):C.isDataTexture?z.texSubImage2D(z.TEXTURE_2D,Ee,ze,dt,Ie,Te,Ft,Tn,Ut.data):C.isCompressedTexture?z.compressedTexSubImage2D(z.TEXTURE_2D,Ee,ze,dt,Ut.width,Ut.height,Ft,Ut.data):z.texSubImage2D(z.TEXTURE_2D,Ee,ze,dt,Ie,Te,Ft,Tn,Ut);we.pixelStorei(z.UNPACK_ROW_LENGTH,yn),we.pixelStorei(z.UNPACK_IMAGE_HEIGHT,yt),we.pixelStorei(z.UNPACK_SKIP_PIXELS,vs),we.pixelStorei(z.UNPACK_SKIP_ROWS,xn),we.pixelStorei(z.UNPACK_SKIP_IMAGES,Xr),Ee===0&&H.generateMipmaps===!0&&H.mipmapsAutoUpdate===!0&&z.generateMipmap(Fe),we.unbindTexture()},this.initRenderTarget=function(C){Ge.get(C).__webglFramebuffer===void 0&&$e.setupRenderTarget(C)},this.initTexture=function(C){C.isCubeTexture?$e.setTextureCube(C,0):C.isData3DTexture?$e.setTexture3D(C,0):C.isDataArrayTexture||C.isCompressedArrayTexture?$e.setTexture2DArray(C,0):$e.setTexture2D(C,0),we.unbindTexture()},this.resetState=function(){X=0,G=0,ae=null,we.reset(),Se.reset()},typeof __THREE_DEVTOOLS__<"u"&&__THREE_DEVTOOLS__.dispatchEvent(new CustomEvent("observe",{detail:this}))}get coordinateSystem(){return Ui}get outputColorSpace(){return this._outputColorSpace}set outputColorSpace(e){this._outputColorSpace=e;let t=this.getContext();t.drawingBufferColorSpace=vt._getDrawingBufferColorSpace(e),t.unpackColorSpace=vt._getUnpackColorSpace()}};var s_={type:"change"},Cd={type:"start"},o_={type:"end"},Wh=new Qs,r_=new Zn,GA=Math.cos(70*fd.DEG2RAD),Ln=new F,ui=2*Math.PI,Pt={NONE:-1,ROTATE:0,DOLLY:1,PAN:2,TOUCH_ROTATE:3,TOUCH_PAN:4,TOUCH_DOLLY_PAN:5,TOUCH_DOLLY_ROTATE:6},Td=1e-6,Xh=class extends Ya{constructor(e,t=null){super(e,t),this.state=Pt.NONE,this.target=new F,this.cursor=new F,this.minDistance=0,this.maxDistance=1/0,this.minZoom=0,this.maxZoom=1/0,this.minTargetRadius=0,this.maxTargetRadius=1/0,this.minPolarAngle=0,this.maxPolarAngle=Math.PI,this.minAzimuthAngle=-1/0,this.maxAzimuthAngle=1/0,this.enableDamping=!1,this.dampingFactor=.05,this.enableZoom=!0,this.zoomSpeed=1,this.enableRotate=!0,this.rotateSpeed=1,this.keyRotateSpeed=1,this.enablePan=!0,this.panSpeed=1,this.screenSpacePanning=!0,this.keyPanSpeed=7,this.zoomToCursor=!1,this.autoRotate=!1,this.autoRotateSpeed=2,this.keys={LEFT:"ArrowLeft",UP:"ArrowUp",RIGHT:"ArrowRight",BOTTOM:"ArrowDown"},this.mouseButtons={LEFT:ar.ROTATE,MIDDLE:ar.DOLLY,RIGHT:ar.PAN},this.touches={ONE:lr.ROTATE,TWO:lr.DOLLY_PAN},this.target0=this.target.clone(),this.position0=this.object.position.clone(),this.zoom0=this.object.zoom,this._cursorStyle="auto",this._domElementKeyEvents=null,this._lastPosition=new F,this._lastQuaternion=new un,this._lastTargetPosition=new F,this._quat=new un().setFromUnitVectors(e.up,new F(0,1,0)),this._quatInverse=this._quat.clone().invert(),this._spherical=new Bo,this._sphericalDelta=new Bo,this._scale=1,this._panOffset=new F,this._rotateStart=new qe,this._rotateEnd=new qe,this._rotateDelta=new qe,this._panStart=new qe,this._panEnd=new qe,this._panDelta=new qe,this._dollyStart=new qe,this._dollyEnd=new qe,this._dollyDelta=new qe,this._dollyDirection=new F,this._mouse=new qe,this._performCursorZoom=!1,this._pointers=[],this._pointerPositions={},this._controlActive=!1,this._onPointerMove=XA.bind(this),this._onPointerDown=WA.bind(this),this._onPointerUp=$A.bind(this),this._onContextMenu=QA.bind(this),this._onMouseWheel=ZA.bind(this),this._onKeyDown=KA.bind(this),this._onTouchStart=JA.bind(this),this._onTouchMove=jA.bind(this),this._onMouseDown=qA.bind(this),this._onMouseMove=YA.bind(this),this._interceptControlDown=eE.bind(this),this._interceptControlUp=tE.bind(this),this.domElement!==null&&this.connect(this.domElement),this.update()}set cursorStyle(e){this._cursorStyle=e,e==="grab"?this.domElement.style.cursor="grab":this.domElement.style.cursor="auto"}get cursorStyle(){return this._cursorStyle}connect(e){super.connect(e),this.domElement.addEventListener("pointerdown",this._onPointerDown),this.domElement.addEventListener("pointercancel",this._onPointerUp),this.domElement.addEventListener("contextmenu",this._onContextMenu),this.domElement.addEventListener("wheel",this._onMouseWheel,{passive:!1}),this.domElement.ownerDocument.addEventListener("keydown",this._interceptControlDown,{passive:!0,capture:!0}),this.domElement.style.touchAction="none"}disconnect(){this.state=Pt.NONE,this.domElement.removeEventListener("pointerdown",this._onPointerDown),this.domElement.ownerDocument.removeEventListener("pointermove",this._onPointerMove),this.domElement.ownerDocument.removeEventListener("pointerup",this._onPointerUp),this.domElement.removeEventListener("pointercancel",this._onPointerUp),this.domElement.removeEventListener("wheel",this._onMouseWheel),this.domElement.removeEventListener("contextmenu",this._onContextMenu),this.stopListenToKeyEvents(),this.domElement.ownerDocument.removeEventListener("keydown",this._interceptControlDown,{capture:!0}),this.domElement.ownerDocument.removeEventListener("keyup",this._interceptControlUp,{capture:!0}),this._controlActive=!1,this._pointers.length=0,this._pointerPositions={},this.domElement.style.touchAction="",this.domElement.style.cursor="auto"}dispose(){this.disconnect()}getPolarAngle(){return this._spherical.phi}getAzimuthalAngle(){return this._spherical.theta}getDistance(){return this.object.position.distanceTo(this.target)}listenToKeyEvents(e){e.addEventListener("keydown",this._onKeyDown),this._domElementKeyEvents=e}stopListenToKeyEvents(){this._domElementKeyEvents!==null&&(this._domElementKeyEvents.removeEventListener("keydown",this._onKeyDown),this._domElementKeyEvents=null)}saveState(){this.target0.copy(this.target),this.position0.copy(this.object.position),this.zoom0=this.object.zoom}reset(){this.target.copy(this.target0),this.object.position.copy(this.position0),this.object.zoom=this.zoom0,this.object.updateProjectionMatrix(),this.dispatchEvent(s_),this.update(),this.state=Pt.NONE}pan(e,t){this._pan(e,t),this.update()}dollyIn(e){this._dollyIn(e),this.update()}dollyOut(e){this._dollyOut(e),this.update()}rotateLeft(e){this._rotateLeft(e),this.update()}rotateUp(e){this._rotateUp(e),this.update()}update(e=null){let t=this.object.position;Ln.copy(t).sub(this.target),Ln.applyQuaternion(this._quat),this._spherical.setFromVector3(Ln),this.autoRotate&&this.state===Pt.NONE&&this._rotateLeft(this._getAutoRotationAngle(e)),this.enableDamping?(this._spherical.theta+=this._sphericalDelta.theta*this.dampingFactor,this._spherical.phi+=this._sphericalDelta.phi*this.dampingFactor):(this._spherical.theta+=this._sphericalDelta.theta,this._spherical.phi+=this._sphericalDelta.phi);let n=this.minAzimuthAngle,s=this.maxAzimuthAngle;isFinite(n)&&isFinite(s)&&(n<-Math.PI?n+=ui:n>Math.PI&&(n-=ui),s<-Math.PI?s+=ui:s>Math.PI&&(s-=ui),n<=s?this._spherical.theta=Math.max(n,Math.min(s,this._spherical.theta)):this._spherical.theta=this._spherical.theta>(n+s)/2?Math.max(n,this._spherical.theta):Math.min(s,this._spherical.theta)),this._spherical.phi=Math.max(this.minPolarAngle,Math.min(this.maxPolarAngle,this._spherical.phi)),this._spherical.makeSafe(),this.enableDamping===!0?this.target.addScaledVector(this._panOffset,this.dampingFactor):this.target.add(this._panOffset),this.target.sub(this.cursor),this.target.clampLength(this.minTargetRadius,this.maxTargetRadius),this.target.add(this.cursor);let r=!1;if(this.zoomToCursor&&this._performCursorZoom||this.object.isOrthographicCamera)this._spherical.radius=this._clampDistance(this._spherical.radius);else{let o=this._spherical.radius;this._spherical.radius=this._clampDistance(this._spherical.radius*this._scale),r=o!=this._spherical.radius}if(Ln.setFromSpherical(this._spherical),Ln.applyQuaternion(this._quatInverse),t.copy(this.target).add(Ln),this.object.lookAt(this.target),this.enableDamping===!0?(this._sphericalDelta.theta*=1-this.dampingFactor,this._sphericalDelta.phi*=1-this.dampingFactor,this._panOffset.multiplyScalar(1-this.dampingFactor)):(this._sphericalDelta.set(0,0,0),this._panOffset.set(0,0,0)),this.zoomToCursor&&this._performCursorZoom){let o=null;if(this.object.isPerspectiveCamera){let a=Ln.length();o=this._clampDistance(a*this._scale);let l=a-o;this.object.position.addScaledVector(this._dollyDirection,l),this.object.updateMatrixWorld(),r=!!l}else if(this.object.isOrthographicCamera){let a=new F(this._mouse.x,this._mouse.y,0);a.unproject(this.object);let l=this.object.zoom;this.object.zoom=Math.max(this.minZoom,Math.min(this.maxZoom,this.object.zoom/this._scale)),this.object.updateProjectionMatrix(),r=l!==this.object.zoom;let c=new F(this._mouse.x,this._mouse.y,0);c.unproject(this.object),this.object.position.sub(c).add(a),this.object.updateMatrixWorld(),o=Ln.length()}else console.warn("WARNING: OrbitControls.js encountered an unknown camera type - zoom to cursor disabled."),this.zoomToCursor=!1;o!==null&&(this.screenSpacePanning?this.target.set(0,0,-1).transformDirection(this.object.matrix).multiplyScalar(o).add(this.object.position):(Wh.origin.copy(this.object.position),Wh.direction.set(0,0,-1).transformDirection(this.object.matrix),Math.abs(this.object.up.dot(Wh.direction))<GA?this.object.lookAt(this.target):(r_.setFromNormalAndCoplanarPoint(this.object.up,this.target),Wh.intersectPlane(r_,this.target))))}else if(this.object.isOrthographicCamera){let o=this.object.zoom;this.object.zoom=Math.max(this.minZoom,Math.min(this.maxZoom,this.object.zoom/this._scale)),o!==this.object.zoom&&(this.object.updateProjectionMatrix(),r=!0)}return this._scale=1,this._performCursorZoom=!1,r||this._lastPosition.distanceToSquared(this.object.position)>Td||8*(1-this._lastQuaternion.dot(this.object.quaternion))>Td||this._lastTargetPosition.distanceToSquared(this.target)>Td?(this.dispatchEvent(s_),this._lastPosition.copy(this.object.position),this._lastQuaternion.copy(this.object.quaternion),this._lastTargetPosition.copy(this.target),!0):!1}_getAutoRotationAngle(e){return e!==null?ui/60*this.autoRotateSpeed*e:ui/60/60*this.autoRotateSpeed}_getZoomScale(e){let t=Math.abs(e*.01);return Math.pow(.95,this.zoomSpeed*t)}_rotateLeft(e){this._sphericalDelta.theta-=e}_rotateUp(e){this._sphericalDelta.phi-=e}_panLeft(e,t){Ln.setFromMatrixColumn(t,0),Ln.multiplyScalar(-e),this._panOffset.add(Ln)}_panUp(e,t){this.screenSpacePanning===!0?Ln.setFromMatrixColumn(t,1):(Ln.setFromMatrixColumn(t,0),Ln.crossVectors(this.object.up,Ln)),Ln.multiplyScalar(e),this._panOffset.add(Ln)}_pan(e,t){let n=this.domElement;if(this.object.isPerspectiveCamera){let s=this.object.position;Ln.copy(s).sub(this.target);let r=Ln.length();r*=Math.tan(this.object.fov/2*Math.PI/180),this._panLeft(2*e*r/n.clientHeight,this.object.matrix),this._panUp(2*t*r/n.clientHeight,this.object.matrix)}else this.object.isOrthographicCamera?(this._panLeft(e*(this.object.right-this.object.left)/this.object.zoom/n.clientWidth,this.object.matrix),this._panUp(t*(this.object.top-this.object.bottom)/this.object.zoom/n.clientHeight,this.object.matrix)):(console.warn("WARNING: OrbitControls.js encountered an unknown camera type - pan disabled."),this.enablePan=!1)}_dollyOut(e){this.object.isPerspectiveCamera||this.object.isOrthographicCamera?this._scale/=e:(console.warn("WARNING: OrbitControls.js encountered an unknown camera type - dolly/zoom disabled."),this.enableZoom=!1)}_dollyIn(e){this.object.isPerspectiveCamera||this.object.isOrthographicCamera?this._scale*=e:(console.warn("WARNING: OrbitControls.js encountered an unknown camera type - dolly/zoom disabled."),this.enableZoom=!1)}_updateZoomParameters(e,t){if(!this.zoomToCursor)return;this._performCursorZoom=!0;let n=this.domElement.getBoundingClientRect(),s=e-n.left,r=t-n.top,o=n.width,a=n.height;this._mouse.x=s/o*2-1,this._mouse.y=-(r/a)*2+1,this._dollyDirection.set(this._mouse.x,this._mouse.y,1).unproject(this.object).sub(this.object.position).normalize()}_clampDistance(e){return Math.max(this.minDistance,Math.min(this.maxDistance,e))}_handleMouseDownRotate(e){this._rotateStart.set(e.clientX,e.clientY)}_handleMouseDownDolly(e){this._updateZoomParameters(e.clientX,e.clientY),this._dollyStart.set(e.clientX,e.clientY)}_handleMouseDownPan(e){this._panStart.set(e.clientX,e.clientY)}_handleMouseMoveRotate(e){this._rotateEnd.set(e.clientX,e.clientY),this._rotateDelta.subVectors(this._rotateEnd,this._rotateStart).multiplyScalar(this.rotateSpeed);let t=this.domElement;this._rotateLeft(ui*this._rotateDelta.x/t.clientHeight),this._rotateUp(ui*this._rotateDelta.y/t.clientHeight),this._rotateStart.copy(this._rotateEnd),this.update()}_handleMouseMoveDolly(e){this._dollyEnd.set(e.clientX,e.clientY),this._dollyDelta.subVectors(this._dollyEnd,this._dollyStart),this._dollyDelta.y>0?this._dollyOut(this._getZoomScale(this._dollyDelta.y)):this._dollyDelta.y<0&&this._dollyIn(this._getZoomScale(this._dollyDelta.y)),this._dollyStart.copy(this._dollyEnd),this.zoomToCursor&&(this._performCursorZoom=!0,this._dollyDirection.set(this._mouse.x,this._mouse.y,1).unproject(this.object).sub(this.object.position).normalize()),this.update()}_handleMouseMovePan(e){this._panEnd.set(e.clientX,e.clientY),this._panDelta.subVectors(this._panEnd,this._panStart).multiplyScalar(this.panSpeed),this._pan(this._panDelta.x,this._panDelta.y),this._panStart.copy(this._panEnd),this.update()}_handleMouseWheel(e){this._updateZoomParameters(e.clientX,e.clientY),e.deltaY<0?this._dollyIn(this._getZoomScale(e.deltaY)):e.deltaY>0&&this._dollyOut(this._getZoomScale(e.deltaY)),this.update()}_handleKeyDown(e){let t=!1;switch(e.code){case this.keys.UP:e.ctrlKey||e.metaKey||e.shiftKey?this.enableRotate&&this._rotateUp(ui*this.keyRotateSpeed/this.domElement.clientHeight):this.enablePan&&this._pan(0,this.keyPanSpeed),t=!0;break;case this.keys.BOTTOM:e.ctrlKey||e.metaKey||e.shiftKey?this.enableRotate&&this._rotateUp(-ui*this.keyRotateSpeed/this.domElement.clientHeight):this.enablePan&&this._pan(0,-this.keyPanSpeed),t=!0;break;case this.keys.LEFT:e.ctrlKey||e.metaKey||e.shiftKey?this.enableRotate&&this._rotateLeft(ui*this.keyRotateSpeed/this.domElement.clientHeight):this.enablePan&&this._pan(this.keyPanSpeed,0),t=!0;break;case this.keys.RIGHT:e.ctrlKey||e.metaKey||e.shiftKey?this.enableRotate&&this._rotateLeft(-ui*this.keyRotateSpeed/this.domElement.clientHeight):this.enablePan&&this._pan(-this.keyPanSpeed,0),t=!0;break}t&&(e.preventDefault(),this.update())}_handleTouchStartRotate(e){if(this._pointers.length===1)this._rotateStart.set(e.pageX,e.pageY);else{let t=this._getSecondPointerPosition(e),n=.5*(e.pageX+t.x),s=.5*(e.pageY+t.y);this._rotateStart.set(n,s)}}_handleTouchStartPan(e){if(this._pointers.length===1)this._panStart.set(e.pageX,e.pageY);else{let t=this._getSecondPointerPosition(e),n=.5*(e.pageX+t.x),s=.5*(e.pageY+t.y);this._panStart.set(n,s)}}_handleTouchStartDolly(e){let t=this._getSecondPointerPosition(e),n=e.pageX-t.x,s=e.pageY-t.y,r=Math.sqrt(n*n+s*s);this._dollyStart.set(0,r)}_handleTouchStartDollyPan(e){this.enableZoom&&this._handleTouchStartDolly(e),this.enablePan&&this._handleTouchStartPan(e)}_handleTouchStartDollyRotate(e){this.enableZoom&&this._handleTouchStartDolly(e),this.enableRotate&&this._handleTouchStartRotate(e)}_handleTouchMoveRotate(e){if(this._pointers.length==1)this._rotateEnd.set(e.pageX,e.pageY);else{let n=this._getSecondPointerPosition(e),s=.5*(e.pageX+n.x),r=.5*(e.pageY+n.y);this._rotateEnd.set(s,r)}this._rotateDelta.subVectors(this._rotateEnd,this._rotateStart).multiplyScalar(this.rotateSpeed);let t=this.domElement;this._rotateLeft(ui*this._rotateDelta.x/t.clientHeight),this._rotateUp(ui*this._rotateDelta.y/t.clientHeight),this._rotateStart.copy(this._rotateEnd)}_handleTouchMovePan(e){if(this._pointers.length===1)this._panEnd.set(e.pageX,e.pageY);else{let t=this._getSecondPointerPosition(e),n=.5*(e.pageX+t.x),s=.5*(e.pageY+t.y);this._panEnd.set(n,s)}this._panDelta.subVectors(this._panEnd,this._panStart).multiplyScalar(this.panSpeed),this._pan(this._panDelta.x,this._panDelta.y),this._panStart.copy(this._panEnd)}_handleTouchMoveDolly(e){let t=this._getSecondPointerPosition(e),n=e.pageX-t.x,s=e.pageY-t.y,r=Math.sqrt(n*n+s*s);this._dollyEnd.set(0,r),this._dollyDelta.set(0,Math.pow(this._dollyEnd.y/this._dollyStart.y,this.zoomSpeed)),this._dollyOut(this._dollyDelta.y),this._dollyStart.copy(this._dollyEnd);let o=(e.pageX+t.x)*.5,a=(e.pageY+t.y)*.5;this._updateZoomParameters(o,a)}_handleTouchMoveDollyPan(e){this.enableZoom&&this._handleTouchMoveDolly(e),this.enablePan&&this._handleTouchMovePan(e)}_handleTouchMoveDollyRotate(e){this.enableZoom&&this._handleTouchMoveDolly(e),this.enableRotate&&this._handleTouchMoveRotate(e)}_addPointer(e){this._pointers.push(e.pointerId)}_removePointer(e){delete this._pointerPositions[e.pointerId];for(let t=0;t<this._pointers.length;t++)if(this._pointers[t]==e.pointerId){this._pointers.splice(t,1);return}}_isTrackingPointer(e){for(let t=0;t<this._pointers.length;t++)if(this._pointers[t]==e.pointerId)return!0;return!1}_trackPointer(e){let t=this._pointerPositions[e.pointerId];t===void 0&&(t=new qe,this._pointerPositions[e.pointerId]=t),t.set(e.pageX,e.pageY)}_getSecondPointerPosition(e){let t=e.pointerId===this._pointers[0]?this._pointers[1]:this._pointers[0];return this._pointerPositions[t]}_customWheelEvent(e){let t=e.deltaMode,n={clientX:e.clientX,clientY:e.clientY,deltaY:e.deltaY};switch(t){case 1:n.deltaY*=16;break;case 2:n.deltaY*=100;break}return e.ctrlKey&&!this._controlActive&&(n.deltaY*=10),n}};function WA(i){this.enabled!==!1&&(this._pointers.length===0&&(this.domElement.setPointerCapture(i.pointerId),this.domElement.ownerDocument.addEventListener("pointermove",this._onPointerMove),this.domElement.ownerDocument.addEventListener("pointerup",this._onPointerUp)),!this._isTrackingPointer(i)&&(this._addPointer(i),i.pointerType==="touch"?this._onTouchStart(i):this._onMouseDown(i),this._cursorStyle==="grab"&&(this.domElement.style.cursor="grabbing")))}function XA(i){this.enabled!==!1&&(i.pointerType==="touch"?this._onTouchMove(i):this._onMouseMove(i))}function $A(i){switch(this._removePointer(i),this._pointers.length){case 0:this.domElement.releasePointerCapture(i.pointerId),this.domElement.ownerDocument.removeEventListener("pointermove",this._onPointerMove),this.domElement.ownerDocument.removeEventListener("pointerup",this._onPointerUp),this.dispatchEvent(o_),this.state=Pt.NONE,this._cursorStyle==="grab"&&(this.domElement.style.cursor="grab");break;case 1:let e=this._pointers[0],t=this._pointerPositions[e];this._onTouchStart({pointerId:e,pageX:t.x,pageY:t.y});break}}function qA(i){let e;switch(i.button){case 0:e=this.mouseButtons.LEFT;break;case 1:e=this.mouseButtons.MIDDLE;break;case 2:e=this.mouseButtons.RIGHT;break;default:e=-1}switch(e){case ar.DOLLY:if(this.enableZoom===!1)return;this._handleMouseDownDolly(i),this.state=Pt.DOLLY;break;case ar.ROTATE:if(i.ctrlKey||i.metaKey||i.shiftKey){if(this.enablePan===!1)return;this._handleMouseDownPan(i),this.state=Pt.PAN}else{if(this.enableRotate===!1)return;this._handleMouseDownRotate(i),this.state=Pt.ROTATE}break;case ar.PAN:if(i.ctrlKey||i.metaKey||i.shiftKey){if(this.enableRotate===!1)return;this._handleMouseDownRotate(i),this.state=Pt.ROTATE}else{if(this.enablePan===!1)return;this._handleMouseDownPan(i),this.state=Pt.PAN}break;default:this.state=Pt.NONE}this.state!==Pt.NONE&&this.dispatchEvent(Cd)}function YA(i){switch(this.state){case Pt.ROTATE:if(this.enableRotate===!1)return;this._handleMouseMoveRotate(i);break;case Pt.DOLLY:if(this.enableZoom===!1)return;this._handleMouseMoveDolly(i);break;case Pt.PAN:if(this.enablePan===!1)return;this._handleMouseMovePan(i);break}}function ZA(i){this.enabled===!1||this.enableZoom===!1||this.state!==Pt.NONE||(i.preventDefault(),this.dispatchEvent(Cd),this._handleMouseWheel(this._customWheelEvent(i)),this.dispatchEvent(o_))}function KA(i){this.enabled!==!1&&this._handleKeyDown(i)}function JA(i){switch(this._trackPointer(i),this._pointers.length){case 1:switch(this.touches.ONE){case lr.ROTATE:if(this.enableRotate===!1){this.state=Pt.NONE;break}this._handleTouchStartRotate(i),this.state=Pt.TOUCH_ROTATE;break;case lr.PAN:if(this.enablePan===!1){this.state=Pt.NONE;break}this._handleTouchStartPan(i),this.state=Pt.TOUCH_PAN;break;default:this.state=Pt.NONE}break;case 2:switch(this.touches.TWO){case lr.DOLLY_PAN:if(this.enableZoom===!1&&this.enablePan===!1)return;this._handleTouchStartDollyPan(i),this.state=Pt.TOUCH_DOLLY_PAN;break;case lr.DOLLY_ROTATE:if(this.enableZoom===!1&&this.enableRotate===!1)return;this._handleTouchStartDollyRotate(i),this.state=Pt.TOUCH_DOLLY_ROTATE;break;default:this.state=Pt.NONE}break;default:this.state=Pt.NONE}this.state!==Pt.NONE&&this.dispatchEvent(Cd)}function jA(i){switch(this._trackPointer(i),this.state){case Pt.TOUCH_ROTATE:if(this.enableRotate===!1)return;this._handleTouchMoveRotate(i),this.update();break;case Pt.TOUCH_PAN:if(this.enablePan===!1)return;this._handleTouchMovePan(i),this.update();break;case Pt.TOUCH_DOLLY_PAN:if(this.enableZoom===!1&&this.enablePan===!1)return;this._handleTouchMoveDollyPan(i),this.update();break;case Pt.TOUCH_DOLLY_ROTATE:if(this.enableZoom===!1&&this.enableRotate===!1)return;this._handleTouchMoveDollyRotate(i),this.update();break;default:this.state=Pt.NONE}}function QA(i){this.enabled!==!1&&i.preventDefault()}function eE(i){i.key==="Control"&&(this._controlActive=!0,this.domElement.ownerDocument.addEventListener("keyup",this._interceptControlUp,{passive:!0,capture:!0}))}function tE(i){i.key==="Control"&&(this._controlActive=!1,this.domElement.ownerDocument.removeEventListener("keyup",this._interceptControlUp,{passive:!0,capture:!0}))}var $h=class{face;line;thin;constructor(e,t){this.face=new ci({color:e,transparent:!0,opacity:t,side:Fi,forceSinglePass:!0,depthWrite:t>.8}),this.line=new oi({color:e,transparent:!0,opacity:Math.min(1,t+.35)}),this.thin=new oi({color:e,transparent:!0,opacity:.3}),this.thin.userData.opacity=.3,this.face.userData.opacity=t,this.line.userData.opacity=this.line.opacity}set(e,t){for(let n of[this.face,this.line,this.thin])n.color.setHex(e),n.opacity=n.userData.opacity*t}solid(e){this.face.flatShading=e,this.face.userData.opacity=.92,this.face.depthWrite=!0,this.face.needsUpdate=!0}},qo=new F(0,0,1);function tn(i,e,t=[0,0,0]){return new F(...Pl(i[e],t))}function fn(i,e,t=0){return Et(i[e],t)}function Br(i,e,t=[0,0,1]){let n=tn(i,e,t);return n.lengthSq()>1e-18?n.normalize():new F(...t)}function Rd(i,e){let t=i[e];if(!Array.isArray(t)||t.length!==4)return new un;let[n,s,r,o]=t.map(l=>Et(l)),a=new un(s,r,o,n);return a.lengthSq()>1e-12?a.normalize():new un}function a_(i){return new un().setFromUnitVectors(qo,i)}function Yo(i){let e=Math.abs(i.z)<.9?new F(0,0,1):new F(1,0,0);return e.crossVectors(e,i).normalize(),[e,new F().crossVectors(i,e)]}function sn(i,e){let t=new gt;return t.setAttribute("position",new hn(i instanceof Float32Array?i:new Float32Array(i),3)),new Ei(t,e)}function Oi(i,e){i.geometry.dispose(),i.geometry=e}function ur(i){let e=new gt;return e.setAttribute("position",new hn(new Float32Array(i),3)),e}function Id(i,e,t){let n=t.length();if(!(n>1e-9))return;let s=e.clone().add(t),[r]=Yo(t.clone().normalize()),o=t.clone().multiplyScalar(-.28),a=r.multiplyScalar(n*.12),l=s.clone().add(o).add(a),c=s.clone().add(o).sub(a);for(let[h,u]of[[e,s],[s,l],[s,c]])i.push(h.x,h.y,h.z,u.x,u.y,u.z)}function Zo(i){i.traverse(e=>{let t=e;t.geometry&&!t.geometry.userData.shared&&t.geometry.dispose();let n=t.material;n&&!Array.isArray(n)&&n.dispose()})}var Ld=8;function l_(){let i=ur([-.5,-.5,0,.5,-.5,0,.5,.5,0,-.5,.5,0]);return i.setIndex([0,1,2,0,2,3]),i.computeVertexNormals(),i}function c_(){let i=[];for(let e=0;e<=Ld;e++){let t=e/Ld-.5;i.push(t,-.5,0,t,.5,0,-.5,t,0,.5,t,0)}return i.push(0,0,0,0,0,.14,0,0,.14,.025,0,.1,0,0,.14,-.025,0,.1),i}var al=class{root=new Rt;normal=new F(0,0,1);offset=0;u=new F(1,0,0);v=new F(0,1,0);constructor(e){this.root.add(new Mt(l_(),e.face),sn(c_(),e.line))}place(e,t){this.normal.copy(e),this.offset=t,[this.u,this.v]=Yo(e),this.root.quaternion.setFromRotationMatrix(this.root.matrix.makeBasis(this.u,this.v,this.normal))}follow(e){let t=.9*e.radius,n=t/Ld,s=r=>Math.round(r/n)*n;this.root.scale.setScalar(t),this.root.position.set(0,0,0).addScaledVector(this.u,s(e.hand.dot(this.u))).addScaledVector(this.v,s(e.hand.dot(this.v))).addScaledVector(this.normal,this.offset)}};function h_(i){let e=new al(i);return{root:e.root,update(t,n){let s=tn(t,"normal",[0,0,1]),r=s.length()||1;e.place(s.divideScalar(r),fn(t,"offset")/r),e.follow(n)},tick:t=>e.follow(t)}}function u_(i){let e=new Rt,t=new Mt(l_(),i.face),n=sn(c_(),i.line),s=sn([.5,-.5,0,.5,.5,0],i.line);e.add(t,n,s);let r=new F(0,0,1),o=new F(1,0,0),a=new F(0,1,0),l=0,c=0,h=u=>{let f=.9*u.radius;e.scale.setScalar(f);let p=Math.min(c-f/2,u.hand.dot(o));e.position.set(0,0,0).addScaledVector(r,l).addScaledVector(o,p).addScaledVector(a,u.hand.dot(a))};return{root:e,update(u,f){r=tn(u,"normal",[0,0,1]);let p=r.length()||1;r.divideScalar(p),l=fn(u,"offset")/p;let g=tn(u,"edge",[1,0,0]),x=g.length()||1;g.divideScalar(x);let m=g.dot(r);o=g.clone().addScaledVector(r,-m);let d=o.length()||1;o.divideScalar(d),c=(fn(u,"edge_offset")/x-m*l)/d,a=new F().crossVectors(r,o),e.quaternion.setFromRotationMatrix(e.matrix.makeBasis(o,a,r)),h(f)},tick:h}}function f_(i){let e=new Rt,t=new Mt(new gt,i.face),n=sn([],i.line);return e.add(t,n),{root:e,update(s){let r=(Array.isArray(s.vertices)?s.vertices:[]).map(l=>Pl(l)),o=ur(r.flat()),a=[];for(let l=2;l<r.length;l++)a.push(0,l-1,l);o.setIndex(a),o.computeVertexNormals(),Oi(t,o),Oi(n,ur(r.flatMap((l,c)=>[...l,...r[(c+1)%r.length]])))}}}function Pd(i,e,t){let n=Math.abs(e);if(Math.abs(i)<1e-9)return 0;let s=o=>(1-Math.sqrt(Math.max(0,1-i*i*o*o)))/i;if(n<=t)return s(n);let r=i*t/Math.sqrt(Math.max(1e-9,1-i*i*t*t));return s(t)+r*(n-t)}function d_(i){let e=new Rt,t=new Mt(new gt,i.face),n=new Ei(new gt,i.line);e.add(t,n);let s=20;return{root:e,update(r,o){let a=Br(r,"normal"),l=tn(r,"axis"),c=fn(r,"curvature");l.addScaledVector(a,-l.dot(a));let h=l.lengthSq()>1e-18,u=h?fn(r,"curvature2"):c,f=h?l.normalize():Yo(a)[0],p=new F().crossVectors(a,f);e.position.copy(tn(r,"foot")),e.quaternion.copy(new un().setFromRotationMatrix(e.matrix.makeBasis(f,p,a)));let g=Math.max(Math.abs(c),Math.abs(u)),x=Math.min(.5,Et(r.rim,.15)),m=g>1e-9?x/g:1/0,d=Math.min(.35*o.radius,Math.max(3*m,.08*o.radius)),_=[];for(let M=0;M<=s;M++)for(let I=0;I<=s;I++){let R=2*I/s-1,P=2*M/s-1,O=d*R*Math.sqrt(1-P*P/2),V=d*P*Math.sqrt(1-R*R/2),L=h?Pd(c,O,m)+Pd(u,V,m):Pd(c,Math.hypot(O,V),m);_.push(O,V,L)}let w=[],b=[],E=(M,I)=>I*(s+1)+M;for(let M=0;M<=s;M++)for(let I=0;I<=s;I++)I<s&&M<s&&w.push(E(I,M),E(I+1,M),E(I+1,M+1),E(I,M),E(I+1,M+1),E(I,M+1)),I<s&&M%5===0&&b.push(E(I,M),E(I+1,M)),M<s&&I%5===0&&b.push(E(I,M),E(I,M+1));let S=ur(_);S.setIndex(w),S.computeVertexNormals(),Oi(t,S);let y=new gt;y.setAttribute("position",new hn(new Float32Array(b.flatMap(M=>_.slice(3*M,3*M+3))),3)),Oi(n,y)}}}function nE(i,e){let t=[],n=i*10,s=r=>{let o=r/n,a=e*Math.min(1,8*o,8*(1-o));return[a*Math.cos(2*Math.PI*r/10),a*Math.sin(2*Math.PI*r/10),o]};for(let r=0;r<n;r++)t.push(...s(r),...s(r+1));return t}function p_(i){let e=new Rt,t=new Mt(new Ti(1,16,12),i.face);i.face.userData.opacity=.9;let n=sn(nE(9,1),i.line);n.frustumCulled=!1,e.add(t,n);let s=new F,r=new F,o=a=>{r.subVectors(a.hand,s);let l=r.length();n.visible=l>1e-5,n.position.copy(s),n.visible&&n.quaternion.setFromUnitVectors(qo,r.divideScalar(l));let c=.03*a.radius;n.scale.set(c,c,Math.max(1e-6,l))};return{root:e,update(a,l){s.copy(tn(a,"anchor")),t.position.copy(s),t.scale.setScalar(.03*l.radius),o(l)},tick:o}}function m_(i){let e=new Rt,t=new Mt(new Ti(1,24,16),i.face),n=sn(g_(),i.thin),s=sn([0,0,0,0,0,1],i.line);s.frustumCulled=!1,e.add(t,n,s);let r=new F,o=0,a=l=>{let c=new F().subVectors(l.hand,r),h=c.length();s.visible=h>1e-6&&h<o,s.visible&&(s.quaternion.setFromUnitVectors(qo,c.divideScalar(h)),s.scale.set(1,1,h),s.position.copy(r))};return{root:e,update(l,c){r.copy(tn(l,"position"));let h=fn(l,"radius");o=h+fn(l,"max_distance",.02),t.position.copy(r),t.scale.setScalar(Math.max(h,.02*c.radius)),n.position.copy(r),n.scale.setScalar(o),a(c)},tick:a}}function g_(){let i=[];for(let e=0;e<60;e+=2){let[t,n]=[2*Math.PI*e/60,2*Math.PI*(e+1)/60],[s,r,o,a]=[Math.cos(t),Math.sin(t),Math.cos(n),Math.sin(n)];i.push(s,r,0,o,a,0,s,0,r,o,0,a,0,s,r,0,o,a)}return i}function __(i){let e=new Rt,t=new Mt(new Lr(1),i.face);i.face.userData.opacity=.35;let n=new al(i),s=sn([0,0,-1,0,0,1],i.line),r=sn([0,0,0,0,0,1],i.line);s.frustumCulled=r.frustumCulled=!1,e.add(t,n.root,s,r);let o=new F,a=new F,l="point",c=h=>{let f=new F().subVectors(h.hand,o).dot(a),p=l==="point"?o.clone():l==="line"?o.clone().addScaledVector(a,f):h.hand.clone().addScaledVector(a,-f),g=new F().subVectors(h.hand,p),x=g.length();r.visible=x>1e-6,r.position.copy(p),r.visible&&r.quaternion.setFromUnitVectors(qo,g.divideScalar(x)),r.scale.set(1,1,Math.max(1e-6,x)),t.position.copy(p),l==="plane"&&n.follow(h)};return{root:e,update(h,u){l=String(h.shape??"point"),o.copy(tn(h,"origin")),a.copy(Br(h,"direction")),t.scale.setScalar(.025*u.radius),n.root.visible=l==="plane",s.visible=l==="line",s.position.copy(o),s.quaternion.setFromUnitVectors(qo,a),s.scale.set(1,1,2*u.radius),l==="plane"&&n.place(a,o.dot(a)),c(u)},tick:c}}function y_(i,e,t,n,s){let r=[],o=t>1?2*e/(t-1):0;for(let a=0;a<t;a++)for(let l=0;l<t;l++)for(let c=0;c<t;c++){let h=new F(a*o-e,l*o-e,c*o-e);if(t===1&&h.set(0,0,0),h.length()>e*1.01)continue;let u=h.add(i),f=s(u),p=f.length();p<1e-6*n||Id(r,u,f.multiplyScalar(.85*(o||e)*Math.min(1,Math.sqrt(p/n))/p))}return ur(r)}function iE(i){let e=Math.min(1,Math.max(0,(1-i)/.2));return e*e*(3-2*e)}function Dd(i){let e=new Rt,t=new Ei(new gt,i.line),n=sn(g_(),i.thin);return e.add(t,n),{root:e,update(s,r){let o=tn(s,"origin"),a=tn(s,"force"),l=s.jacobian?.flat().map(x=>Et(x))??[],c=l.length===36?6:3,h=fn(s,"radius",.05),u=Math.min(h,1.2*r.radius),f=s.edge==="hold",p=x=>{let m=new F().subVectors(x,o),d=m.length(),_=b=>(l[b*c]??0)*m.x+(l[b*c+1]??0)*m.y+(l[b*c+2]??0)*m.z,w=new F(a.x+_(0),a.y+_(1),a.z+_(2));return f?w:w.multiplyScalar(iE(d/h)||(d<h?.02:0))},g=1e-9;for(let x=0;x<27;x++){let m=new F(x%3-1,Math.floor(x/3)%3-1,Math.floor(x/9)-1).multiplyScalar(.45*u);g=Math.max(g,p(m.add(o)).length())}Oi(t,y_(o,u,6,g,p)),n.position.copy(o),n.scale.setScalar(u)}}}function x_(i,e){let t=new Rt,n=new Ei(new gt,i.line);return t.add(n),{root:t,update(s,r){let o=e(s);Oi(n,y_(r.centre,r.radius,4,r.peakForce,()=>o.clone()))}}}var v_=i=>x_(i,e=>tn(e,"force")),b_=i=>x_(i,e=>tn(e,"acceleration",[0,0,-9.81]).multiplyScalar(fn(e,"mass")));function M_(i){let e=new Rt,t=sn(sE(),i.line),n=new Ei(new gt,i.line);n.frustumCulled=!1,e.add(t,n);let s=0,r=o=>{t.position.copy(o.hand),t.scale.setScalar(.3*o.radius);let a=[];Id(a,o.hand,o.velocity.clone().multiplyScalar(-s*o.radius/o.peakForce)),Oi(n,ur(a))};return{root:e,update(o,a){s=fn(o,"damping"),i.line.userData.opacity=.25+.5*Math.min(1,s/10),r(a)},tick:r}}function sE(){let i=[];for(let e=0;e<120;e++){let t=1-2*(e+.5)/120,n=e*2.39996,s=Math.cbrt(e*37%120/120),r=Math.sqrt(1-t*t),o=[r*Math.cos(n)*s,r*Math.sin(n)*s,t*s];i.push(...o,o[0]+.03,o[1],o[2])}return i}function S_(i){let e=new Rt,t=[];for(let a=0;a<64;a++){let l=c=>[.12*Math.sin(c/64*8*Math.PI)*(1-Math.abs(2*c/64-1)),0,c/32-1];t.push(...l(a),...l(a+1))}let n=sn(t,i.line);n.frustumCulled=!1,e.add(n);let s=new F,r=0,o=a=>{let l=.4*a.radius*Math.min(1,Math.sqrt(r/a.peakForce)+.2);n.position.copy(a.hand),n.scale.set(l*(1+.3*Math.sin(a.time*20)),l,l)};return{root:e,update(a,l){s.copy(Br(a,"direction"));let[c,h]=Yo(s);n.quaternion.setFromRotationMatrix(n.matrix.makeBasis(c,h,s)),r=fn(a,"amplitude"),n.visible=r>0,o(l)},tick:o}}function qh(i,e,t,n=30){let s=new Rt,r=new Mt(new gt,i.face),o=new Ei(new gt,i.line);return s.add(r,o),{root:s,update(a,l){let c=e(a,l);Oi(r,c),Oi(o,new ka(c,n));let h=a.side==="inside";i.face.userData.opacity=h?.1:.45,t(s,a)}}}var fr=2e-4,w_=i=>qh(i,e=>{let t=tn(e,"half_size",[.05,.05,.05]);return new nr(Math.max(fr,2*t.x),Math.max(fr,2*t.y),Math.max(fr,2*t.z))},(e,t)=>{e.position.copy(tn(t,"center")),e.quaternion.copy(Rd(t,"orientation"))},1);function rE(i){let e=[];for(let n=0;n<48;n++){let[s,r]=[2*Math.PI*n/48,2*Math.PI*(n+1)/48],[o,a,l,c]=[Math.cos(s),Math.sin(s),Math.cos(r),Math.sin(r)].map(h=>h*i);e.push(o,a,0,l,c,0,o,0,a,l,0,c,0,o,a,0,l,c)}return e}function A_(i){let e=new Rt,t=new Mt(new Ti(1,32,20),i.face),n=sn(rE(1),i.line);return e.add(t,n),{root:e,update(s){let r=s.side==="inside";i.face.userData.opacity=r?.1:.45,e.position.copy(tn(s,"center")),e.scale.setScalar(Math.max(fr,fn(s,"radius",.01)))}}}var Nd=(i,e)=>{i.position.copy(tn(e,"center")),i.quaternion.copy(a_(Br(e,"axis")))},E_=i=>qh(i,e=>new Ba(Math.max(fr,fn(e,"radius",.01)),2*fn(e,"half_length",.02),8,20).rotateX(Math.PI/2),Nd),T_=i=>qh(i,(e,t)=>{let n=fn(e,"half_length",.02),s=Math.max(fr,fn(e,"radius",.01));return new Fo(s,s,Number.isFinite(n)?Math.max(fr,2*n):4*t.radius,32,1,!Number.isFinite(n)).rotateX(Math.PI/2)},Nd),C_=i=>qh(i,e=>new ir(fn(e,"radius",.02),Math.max(fr,fn(e,"tube",.005)),16,48),Nd,80);function R_(i){let e=new Rt,t=new Mt(new Lr(1),i.face);e.add(t);let n=new Mt(new gt,i.face);n.name="asset";let s=0,r=!1,o=!1,a=l=>{if(o)return;let c=l.asset(s,r);c&&(o=!0,n.geometry=c,e.remove(t),e.add(n),i.solid(!r))};return{root:e,update(l,c){let h=fn(l,"asset"),u=l.shading==="smooth";(h!==s||u!==r)&&(o=!1,e.remove(n),e.add(t)),s=h,r=u,t.scale.setScalar(.03*c.radius),e.position.copy(tn(l,"position")),e.quaternion.copy(Rd(l,"orientation")),a(c)},tick:a}}function I_(i,e){let t=tn(i,"velocity");return t.lengthSq()>0?t.multiplyScalar(e):null}var oE={plane:h_,cap:d_,polygon:f_,half_plane:u_,box:w_,sphere:A_,capsule:E_,cylinder:T_,torus:C_,shape:R_,spring:p_,magnet:m_,constraint:__,taylor:Dd,taylor6:Dd,constant_force:v_,gravity:b_,viscosity:M_,vibration:S_};function aE(i){let e=new Rt;return e.add(sn([-1,0,0,1,0,0,0,-1,0,0,1,0,0,0,-1,0,0,1],i.line)),{root:e,update(t,n){let s=Object.entries(t).find(([,r])=>Array.isArray(r)&&r.length===3);s&&e.position.copy(tn(t,s[0])),e.scale.setScalar(.1*n.radius)}}}function P_(i,e){return(oE[i]??aE)(e)}var Yh=1200,lE=4,Zh=class{constructor(e,t){this.device=e;this.assets=t;let{i:n,radius:s,centre:r}=e.info,o=(l,c)=>(l.name=`${c}:${n}`,l);o(this.root,"device"),this.hand=o(new Mt(new Ti(.028*s,24,16),new ci),"hand"),this.ring=o(new Mt(new ir(.05*s,.004*s,8,32),new ci),"orientation"),this.contact=o(new Mt(new Ti(.02*s,16,12),new ci),"contact"),this.proxy=o(sn([0,0,0,0,0,1],new oi),"proxy"),this.pull=o(sn([0,0,0,0,0,1],new oi),"pull"),this.workspace=o(sn(cE(),new oi({transparent:!0,opacity:.7})),"workspace"),this.workspace.position.set(...r),this.workspace.scale.setScalar(s),this.floor=o(sn(hE(),new oi({transparent:!0,opacity:.6})),"floor"),this.floor.position.set(r[0],r[1],r[2]-s),this.floor.scale.setScalar(s),o(this.force,"force"),o(this.sceneForce,"scene_force"),o(this.arm,"arm"),this.armLine=new tr(new gt,new oi),this.arm.add(this.armLine),o(this.torque,"torque").add(new Mt(new ir(1,.04,8,32,4.8),new ci),new Mt(new Pr(.14,.3,12),new ci)),this.torque.children[1].position.set(Math.cos(4.8),Math.sin(4.8),0),this.torque.children[1].rotation.z=4.8;let a=new gt;a.setAttribute("position",new hn(new Float32Array(3*Yh),3).setUsage(Oh)),a.setAttribute("color",new hn(new Float32Array(3*Yh),3).setUsage(Oh)),this.trail=o(new tr(a,new oi({vertexColors:!0})),"trail");for(let l of[this.trail,this.proxy,this.pull,this.armLine])l.frustumCulled=!1;this.root.add(this.workspace,this.floor,this.arm,this.trail,this.proxy,this.pull,this.contact,this.force,this.sceneForce,this.torque,this.ring,this.hand),this.colour()}device;assets;root=new Rt;hand;ring;contact;proxy;force=new ko(new F(0,0,1),new F,.01,16777215);sceneForce=new ko(new F(0,0,1),new F,.01,16777215);torque=new Rt;pull;arm=new Rt;armLine;workspace;floor;trail;claims=new Map;drawn=new Map;seen=-1;place=new F;target=null;trailCount=-1;trailCursor=-1;colour(){let e=Xn();this.hand.material.color.setHex(e.hand),this.ring.material.color.setHex(e.arm),this.contact.material.color.setHex(e.contact),this.proxy.material.color.setHex(e.contact),this.pull.material.color.setHex(e.mine),this.workspace.material.color.setHex(e.workspace),this.floor.material.color.setHex(e.grid),this.armLine.material.color.setHex(e.arm),this.force.setColor(e.force),this.sceneForce.setColor(e.grid);for(let t of this.torque.children)t.material.color.setHex(e.torque);for(let t of this.drawn.values())t.look=""}surroundings(e,t,n){let{scale:s,device_centre:r,world_centre:o,force_scale:a}=e.frame,l=h=>new F((h[0]-r[0])*s+o[0],(h[1]-r[1])*s+o[1],(h[2]-r[2])*s+o[2]),c=this.device.info;return{hand:l(t?.p??c.centre),velocity:t?new F(...t.v).multiplyScalar(s):new F,centre:l(c.centre),radius:c.radius*s,peakForce:(c.peak_force||8)*(a||1),time:n,asset:(h,u)=>this.assets(c.i,e.claim,h,u)}}groupOf(e){let t=this.claims.get(e.claim);t||(t={root:new Rt,probes:[],claim:e},t.root.name=`claim:${e.claim}`,this.claims.set(e.claim,t),this.root.add(t.root)),t.claim=e;let{scale:n,device_centre:s,world_centre:r}=e.frame;return t.root.scale.setScalar(1/n),t.root.position.set(s[0]-r[0]/n,s[1]-r[1]/n,s[2]-r[2]/n),t}reconcile(){for(let[e,t]of this.drawn){let n=this.device.items.get(e);if(n&&n.kind===t.item.kind&&n.generation===t.item.generation){t.item=n;continue}t.drawing.root.removeFromParent(),Zo(t.drawing.root),this.drawn.delete(e)}for(let[e,t]of this.claims)this.device.claims.has(e)||(Zo(t.root),t.root.removeFromParent(),this.claims.delete(e));for(let e of this.device.claims.values()){let t=this.groupOf(e);for(let n of t.probes)Zo(n),n.removeFromParent();t.probes=e.probes.map(([n,,s])=>{let r=Math.max(s/e.frame.scale,.012*this.device.info.radius),o=new Mt(new Ti(r,16,12),new ci({transparent:!0,opacity:.5,color:Xn().contact}));return o.name=`probe:${e.claim}:${n}`,this.root.add(o),o})}for(let[e,t]of this.device.items){if(this.drawn.has(e))continue;let n=this.device.claims.get(t.claim);if(!n)continue;let s=!["spring","constant_force","taylor","taylor6","viscosity","gravity","magnet","constraint","vibration"].includes(t.kind),r=new $h(16777215,s?.45:.5);["plane","half_plane"].includes(t.kind)&&(r.face.userData.opacity=.16);let o=P_(t.kind,r);o.root.name=`item:${t.claim}:${t.slot}`,o.root.userData.item=e,this.groupOf(n).root.add(o.root),this.drawn.set(e,{item:t,drawing:o,paint:r,version:-1,look:""})}}update(e,t,n,s){this.device.version!==this.seen&&(this.reconcile(),this.seen=this.device.version);let r=Xn(),o=this.device.info,a=new Map;for(let u of this.device.claims.values())a.set(u.claim,this.surroundings(u,e,n));let l=performance.now();for(let u of this.drawn.values()){let{item:f,drawing:p,paint:g}=u,x=a.get(f.claim),m=this.device.claims.get(f.claim);if(!x||!m)continue;if(u.version!==f.version?(p.update(f.params,x),u.version=f.version,u.look=""):p.tick?.(x),f.params.velocity){let b=I_(f.params,(l-f.since)/1e3);b&&(p.update(f.params,x),p.root.position.add(b))}let d=Bm(f,s(m)),_=`${d} ${m.mine} ${p.root.children.length}`;if(_===u.look)continue;u.look=_;let w=m.mine?r.mine:r.claims[m.row%r.claims.length];g.set(d==="asleep"?r.asleep:w,d==="faded"?.25:d==="asleep"?.5:d==="touched"?1.7:1),p.root.userData.mood=d}for(let u of[this.hand,this.ring,this.force,this.sceneForce,this.arm])u.visible=e!==null;if(this.contact.visible=this.proxy.visible=this.torque.visible=this.pull.visible=!1,this.updateTrail(t),!e)return;this.place.set(...e.p),this.hand.position.copy(this.place),this.ring.position.copy(this.place),this.ring.quaternion.copy(L_(e)),this.ring.visible=o.senses_orientation;for(let u of this.claims.values())u.claim.probes.forEach(([,f],p)=>u.probes[p].position.set(...f).divideScalar(u.claim.frame.scale).applyQuaternion(L_(e)).add(this.place));e.flags.includes("touching")&&(this.contact.visible=!0,this.contact.position.set(...e.contact),D_(this.proxy,this.place,this.contact.position)),N_(this.force,this.place,e.force,o.radius/(o.peak_force||8)),N_(this.sceneForce,this.place,e.scene_force,o.radius/(o.peak_force||8)),Math.hypot(...e.scene_force.map((u,f)=>u-e.force[f]))<.02*(o.peak_force||8)&&(this.sceneForce.visible=!1);let h=Math.hypot(...e.torque);this.torque.visible=h>.001,this.torque.visible&&(this.torque.position.copy(this.place),this.torque.quaternion.setFromUnitVectors(new F(0,0,1),new F(...e.torque).divideScalar(h)),this.torque.scale.setScalar(o.radius*.25*Math.min(1,.3+h/(o.peak_torque||.2)))),this.updateArm(e),this.target&&D_(this.pull,this.place,this.target)}updateArm(e){let t=e.arm??[];if(this.arm.visible=t.length>1,!this.arm.visible)return;let s=this.armLine.geometry.getAttribute("position");if(!s||s.count!==t.length){this.armLine.geometry.dispose(),this.armLine.geometry=new gt,this.armLine.geometry.setAttribute("position",new hn(new Float32Array(t.length*3),3));for(let a of this.arm.children.slice(1))Zo(a),a.removeFromParent();for(let a=0;a<t.length;a++)if(this.arm.add(new Mt(new Ti(.022*this.device.info.radius,12,8),new ci({color:Xn().arm}))),a>0){let l=new Mt(new Pr(.022*this.device.info.radius,1,10).translate(0,.5,0),new ci({color:Xn().arm,transparent:!0,opacity:.55}));l.userData.link=a,this.arm.add(l)}}let r=this.armLine.geometry.getAttribute("position");t.forEach((a,l)=>r.setXYZ(l,...a)),r.needsUpdate=!0;let o=0;for(let a of this.arm.children.slice(1)){let l=a.userData.link;if(l===void 0)a.position.set(...t[o++]);else{let c=new F(...t[l-1]),h=new F(...t[l]).sub(c),u=h.length();a.visible=u>1e-6,a.position.copy(c),a.scale.set(1,Math.max(u,1e-6),1),a.visible&&a.quaternion.setFromUnitVectors(new F(0,1,0),h.divideScalar(u))}}}updateTrail(e){let t=this.device.history;if(t.count===this.trailCount&&e===this.trailCursor)return;this.trailCount=t.count,this.trailCursor=e;let n=t.find(e-lE),s=Math.min(t.held,t.find(e+1e-6)),r=Math.max(1,Math.ceil((s-n)/Yh)),o=this.trail.geometry.getAttribute("position"),a=this.trail.geometry.getAttribute("color"),l=t.columns,c=this.device.info.peak_force||8,h=0,u=n+(r-(t.count-t.held+n)%r)%r;for(let f=u;f<s&&h<Yh;f+=r){let p=t.place(f);o.setXYZ(h,l.px[p],l.py[p],l.pz[p]),a.setXYZ(h,...Lm(Math.hypot(l.fx[p],l.fy[p],l.fz[p])/c)),h++}o.needsUpdate=a.needsUpdate=!0,this.trail.geometry.setDrawRange(0,h)}get count(){return this.drawn.size}drawnItem(e){return this.drawn.get(e)}key(e){return uo(e.claim,e.slot)}dispose(){this.root.removeFromParent(),Zo(this.root)}};function L_(i){return new un(i.q[1],i.q[2],i.q[3],i.q[0]).normalize()}function D_(i,e,t){let n=new F().subVectors(t,e),s=n.length();i.visible=s>1e-6,i.visible&&(i.position.copy(e),i.quaternion.setFromUnitVectors(new F(0,0,1),n.divideScalar(s)),i.scale.set(1,1,s))}function N_(i,e,t,n){let s=new F(t[0],t[1],t[2]),r=s.length();if(i.visible=r*n>.001*n&&r>.005,!i.visible)return;let o=r*n;i.position.copy(e),i.setDirection(s.divideScalar(r));let a=Math.min(.4*o,.14*n*8);i.setLength(o,a,.5*a)}function cE(){let i=[];for(let t=0;t<72;t++){let[n,s]=[2*Math.PI*t/72,2*Math.PI*(t+1)/72],[r,o,a,l]=[Math.cos(n),Math.sin(n),Math.cos(s),Math.sin(s)];i.push(r,o,0,a,l,0,r,0,o,a,0,l,0,r,o,0,a,l)}return i}function hE(){let i=[];for(let e=-5;e<=5;e++)i.push(e/5,-1,0,e/5,1,0,-1,e/5,0,1,e/5,0);return i}var uE=2e4;function fE(){let i=document.createElement("canvas").getContext("webgl2"),e=i?.getExtension("WEBGL_debug_renderer_info"),t=i&&e?String(i.getParameter(e.UNMASKED_RENDERER_WEBGL)):"";return i?.getExtension("WEBGL_lose_context")?.loseContext(),/swiftshader|llvmpipe|software|softpipe/i.test(t)}var Kh=class{constructor(e,t,n,s){this.canvas=e;this.model=t;this.parts=n;this.events=s;this.scene.name="knurl",this.camera.up.set(0,0,1),this.camera.position.set(.4,0,.12);try{let r=fE();this.renderer=new Vh({canvas:e,antialias:!r}),this.renderer.setPixelRatio(r?1:Math.min(2,window.devicePixelRatio))}catch{s.say("error","This browser gives no WebGL, so nothing is drawn in 3D; charts, panel and playground work.")}this.controls=new Xh(this.camera,e),this.controls.enableDamping=!1,this.controls.zoomSpeed=.8,this.light.position.set(.6,-.4,1),this.scene.add(new $a(16777215,1.6),this.light),this.gizmo=n.gizmo.getContext("2d"),Cl(()=>this.colour()),this.colour(),this.listen()}canvas;model;parts;events;scene=new Pa;camera=new si(40,1,1e-4,100);renderer=null;controls;views=new Map;light=new Xa(16777215,2.2);assets=new Map;ray=new qa;follow=!1;fitted=null;pointer=null;lookedAt=0;grip=null;gizmo;hovered="";by=null;colour(){this.scene.background=new ut(Xn().background);for(let e of this.views.values())e.colour()}asset(e,t,n,s){if(n===0)return null;let r=`./asset/${e}/${t}/${n}`,o=r+(s?"#smooth":""),a=this.assets.get(o);return a&&typeof a!="string"?a:(a===void 0&&(this.assets.set(o,"asked"),this.load(r,o,s)),null)}async load(e,t,n){try{let s=await fetch(e);if(s.status===404){window.setTimeout(()=>this.assets.delete(t),1e3);return}if(!s.ok)throw new Error(`${s.status} ${s.statusText}`);let{positions:r,indices:o}=Fm(await s.arrayBuffer()),a=new gt;a.setAttribute("position",new hn(r,3)),a.setIndex(new hn(o,1)),a.userData.shared=!0,a.computeBoundingSphere(),a.computeBoundingBox(),n&&a.computeVertexNormals(),this.assets.set(t,a)}catch(s){this.assets.set(t,"none"),this.events.say("error",`The mesh ${e.slice(2)} cannot be drawn: ${s instanceof Error?s.message:String(s)}`)}}forgetAssets(){for(let e of this.assets.values())typeof e!="string"&&e.dispose();this.assets.clear()}layout(){let e=this.model.shown();for(let[s,r]of this.views)e.includes(s)||(r.dispose(),this.views.delete(s));let t=0;e.forEach((s,r)=>{let o=this.views.get(s);o||(o=new Zh(s,(...a)=>this.asset(...a)),this.views.set(s,o),this.scene.add(o.root)),r>0&&(t+=1.3*(s.info.radius+e[r-1].info.radius)),o.root.position.set(0,t,0)});let n=this.model.current();n&&n!==this.fitted&&(this.fitted=n,this.fit())}frameOf(e){return e===this.model.recording?e.history.held&&e.frame||Nl(e,e.history.find(this.model.cursor)):e.frame}draw(e){this.layout();for(let[t,n]of this.views){let s=new Map;for(let o of t.status?.clients??[])s.set(o.row,o.silent||o.shed);let r=o=>s.get(o.row)??!1;n.update(this.frameOf(t),t===this.model.recording?this.model.cursor:t.history.last,e,r)}this.follow&&this.centreOnHand(),this.controls.update(),this.light.position.copy(this.camera.position).add(new F(0,-.2,.4)),this.renderer?.render(this.scene,this.camera),this.drawScale(),this.drawGizmo(),this.pointer&&e-this.lookedAt>.12&&!this.grip&&(this.lookedAt=e,this.hover(this.pointer.x,this.pointer.y))}resize(){let{clientWidth:e,clientHeight:t}=this.canvas;!e||!t||(this.camera.aspect=e/t,this.camera.updateProjectionMatrix(),this.renderer?.setSize(e,t,!1))}viewOf(e){return e&&this.views.get(e)}middle(e){let t=this.viewOf(e);return new F(...e.info.centre).add(t?.root.position??new F)}fit(){let e=this.model.current();if(!e)return;let t=this.middle(e),n=1.45*e.info.radius/Math.tan(this.camera.fov*Math.PI/360)/Math.min(1,this.camera.aspect);this.controls.target.copy(t),this.camera.position.copy(t).add(new F(.9,.16,.4).normalize().multiplyScalar(n)),this.camera.near=n/300,this.camera.far=n*60,this.camera.updateProjectionMatrix(),this.controls.update()}look(e){let t=this.camera.position.distanceTo(this.controls.target),n={x:new F(1,0,0),y:new F(0,1,0),z:new F(.001,0,1)}[e];this.camera.position.copy(this.controls.target).addScaledVector(n,t),this.controls.update()}toggleFollow(){return this.follow=!this.follow,this.follow}centreOnHand(){let e=this.model.current(),t=this.viewOf(e);if(!e||!t||!this.frameOf(e))return;let n=t.hand.getWorldPosition(new F).sub(this.controls.target).multiplyScalar(.15);this.controls.target.add(n),this.camera.position.add(n)}drawScale(){if(!this.model.current())return;let n=2*this.camera.position.distanceTo(this.controls.target)*Math.tan(this.camera.fov*Math.PI/360)/(this.canvas.clientHeight||1),s=110*n,r=10**Math.floor(Math.log10(s)),o=[5,2,1].map(c=>c*r).find(c=>c<=s)??r,a=o>=1?`${o} m`:o>=.001?`${+(o*1e3).toPrecision(2)} mm`:`${+(o*1e6).toPrecision(2)} µm`,l=`${Math.round(o/n)}px`;this.parts.scale.textContent!==a&&(this.parts.scale.textContent=a),this.parts.scale.style.width!==l&&(this.parts.scale.style.width=l)}drawGizmo(){let e=this.gizmo;if(!e)return;let t=132;this.parts.gizmo.width!==t&&(this.parts.gizmo.width=this.parts.gizmo.height=t),e.clearRect(0,0,t,t);let n=[["x",new F(1,0,0),Xn().axes[0]],["y",new F(0,1,0),Xn().axes[1]],["z",new F(0,0,1),Xn().axes[2]]],s=this.camera.quaternion.clone().invert(),r=n.map(([o,a,l])=>({name:o,v:a.applyQuaternion(s),colour:l})).sort((o,a)=>o.v.z-a.v.z);e.font="bold 20px system-ui, sans-serif",e.textAlign="center",e.textBaseline="middle",e.lineWidth=4;for(let{name:o,v:a,colour:l}of r)e.strokeStyle=e.fillStyle=l,e.globalAlpha=a.z<-.2?.5:1,e.beginPath(),e.moveTo(t/2,t/2),e.lineTo(t/2+42*a.x,t/2-42*a.y),e.stroke(),e.fillText(o,t/2+55*a.x,t/2-55*a.y);e.globalAlpha=1}at(e,t){let n=this.canvas.getBoundingClientRect();this.ray.setFromCamera(new qe((e-n.left)/n.width*2-1,1-(t-n.top)/n.height*2),this.camera)}itemAt(e,t){this.at(e,t),this.ray.params.Line.threshold=.008*this.camera.position.distanceTo(this.controls.target);let n=[];for(let[s,r]of this.views)for(let[o,a]of s.items){let l=r.drawnItem(o)?.drawing.root;if(!l)continue;let c=this.hit(l);c!==null&&n.push({distance:c,device:s,item:a})}return n.sort((s,r)=>s.distance-r.distance),n[0]??null}hit(e){let t=null;return e.traverseVisible(n=>{let s=n.geometry;if(!s?.getAttribute("position"))return;if((s.index?.count??0)>3*uE){let o=(s.boundingBox??new ds).clone().applyMatrix4(n.matrixWorld),a=this.ray.ray.intersectBox(o,new F);a&&(t=Math.min(t??1/0,a.distanceTo(this.camera.position)));return}let r=this.ray.intersectObject(n,!1);r.length&&(t=Math.min(t??1/0,r[0].distance))}),t}hover(e,t){let n=this.parts.tip,s=this.handAt(e,t),r=s?null:this.itemAt(e,t);if(this.canvas.style.cursor=s?.info.pull&&this.model.can("control")?"grab":r?"pointer":"",this.hovered=r?this.describe(r.device,r.item):s?this.describeHand(s):"",n.hidden=this.hovered==="",n.hidden)return;n.textContent=this.hovered;let o=this.canvas.getBoundingClientRect();n.style.left=`${Math.min(o.width-n.offsetWidth-8,e-o.left+14)}px`,n.style.top=`${Math.max(4,Math.min(o.height-n.offsetHeight-8,t-o.top+14))}px`}describeHand(e){let t=this.frameOf(e);if(!t)return"";let n=e.info.pull&&this.model.can("control")?`
+drag to pull it`:"";return`hand of ${e.info.name}: ${t.p.map(s=>(1e3*s).toFixed(1)).join(", ")} mm${n}`}describe(e,t){let n=e.claims.get(t.claim),s=n?n.mine?"this page":`${n.name||"unnamed"} (pid ${n.pid})`:"nobody",r=[`${t.kind.replaceAll("_"," ")}, slot ${t.slot}, of ${s}`],o=t.params.stiffness;o!==void 0&&r.push(`stiffness ${o} N/m`+(t.params.damping?`, damping ${t.params.damping} N s/m`:"")),t.probe&&r.push(`acts on probe ${t.probe}`);let a=t.felt;if(a){let l=a[2],c=Math.hypot(a[3],a[4],a[5]),h=[l&1?`touched, ${c.toFixed(2)} N`:c>.005?`${c.toFixed(2)} N`:"",l&2?"clamped to what the device allows":"",l&4?"contradicts others":"",l&8?"fading":"",l&16?"its application is silent":"",l&32?"asleep: out of reach":""].filter(Boolean);h.length&&r.push(h.join(", "))}return r.join(`
+`)}handAt(e,t){let n=this.canvas.getBoundingClientRect();for(let[s,r]of this.views){if(!r.hand.visible)continue;let o=r.hand.getWorldPosition(new F).project(this.camera);if(o.z>1)continue;let a=n.left+(o.x+1)/2*n.width,l=n.top+(1-o.y)/2*n.height;if(Math.hypot(a-e,l-t)<18)return s}return null}handOnScreen(e){let t=this.views.get(e);if(!t)return null;let n=this.canvas.getBoundingClientRect(),s=t.hand.getWorldPosition(new F).project(this.camera);return{x:n.left+(s.x+1)/2*n.width,y:n.top+(1-s.y)/2*n.height}}listen(){let e=this.canvas;e.addEventListener("pointerdown",n=>{if(n.button!==0)return;let s=this.handAt(n.clientX,n.clientY),r=this.camera.getWorldDirection(new F);if(s?.info.pull&&this.model.can("control")&&s!==this.model.recording){let o=this.views.get(s).hand.getWorldPosition(new F);this.grip={device:s,plane:new Zn().setFromNormalAndCoplanarPoint(r,o),item:null,from:o,sent:o.clone()}}else if(n.altKey&&this.model.can("render")){let o=this.itemAt(n.clientX,n.clientY);if(!o||!o.device.claims.get(o.item.claim)?.mine)return;let l=this.views.get(o.device).drawnItem(`${o.item.claim}:${o.item.slot}`).drawing.root.getWorldPosition(new F),c=new Zn().setFromNormalAndCoplanarPoint(r,l),h=this.ray.ray.intersectPlane(c,new F);if(!h)return;this.grip={device:o.device,plane:c,item:o.item,from:h,sent:h.clone()}}else return;this.controls.enabled=!1,e.setPointerCapture(n.pointerId),e.style.cursor="grabbing",this.parts.tip.hidden=!0,n.stopImmediatePropagation()},{capture:!0}),e.addEventListener("pointermove",n=>{if(this.pointer=n.pointerType==="mouse"?{x:n.clientX,y:n.clientY}:null,!this.grip)return;this.at(n.clientX,n.clientY);let s=this.ray.ray.intersectPlane(this.grip.plane,new F);if(!s)return;let r=this.views.get(this.grip.device);if(!r)return;if(this.grip.item){let a=this.grip.device.claims.get(this.grip.item.claim)?.frame.scale??1,l=s.clone().sub(this.grip.sent).multiplyScalar(a);this.grip.sent.copy(s),this.events.drag(this.grip.device,this.grip.item,l.toArray());return}let o=s.clone().sub(r.root.position);r.target=o,this.events.pull(this.grip.device,o.toArray())});let t=()=>{if(!this.grip)return;let{device:n,item:s}=this.grip;this.grip=null,this.controls.enabled=!0,e.style.cursor="";let r=this.views.get(n);r&&(r.target=null),s||this.events.pull(n,null)};e.addEventListener("pointerup",t),e.addEventListener("pointercancel",t),e.addEventListener("lostpointercapture",t),e.addEventListener("pointerleave",()=>{this.pointer=null,this.parts.tip.hidden=!0,this.hovered=""}),e.addEventListener("contextmenu",n=>n.preventDefault())}picture(){return this.renderer?.render(this.scene,this.camera),new Promise(e=>this.canvas.toBlob(e,"image/png"))}get info(){if(this.by===null){let e=this.renderer?.getContext(),t=e?.getExtension("WEBGL_debug_renderer_info");this.by=e&&t?String(e.getParameter(t.UNMASKED_RENDERER_WEBGL)):""}return{triangles:this.renderer?.info.render.triangles??0,calls:this.renderer?.info.render.calls??0,by:this.by}}};var ki=new Dl;ki.note=(i,e)=>pt(i,e);var Gn={frames:0,messages:0,reconnects:0,workP50:0,workMax:0,drawP50:0,rate:0,items:0,triangles:0,calls:0,renderer:""},Fd=new URL("./live",location.href);Fd.protocol=Fd.protocol==="https:"?"wss:":"ws:";var Bi=new Ll(Fd.href,{message:i=>{try{ki.take(i)}catch(e){pt("error",e.message)}},reports:i=>ki.takeReports(i),strange:i=>pt("error",`knurl-web sent ${i}`),link:(i,e,t)=>{let n=le("banner");if(n.hidden=i==="open",n.dataset.state=i,i==="open"){Bi.reconnects>0&&pt("info","Connected again.");return}if(i==="lost"){At(n,`${e[0].toUpperCase()}${e.slice(1)}; the next attempt is in ${t} s. What you see is the last that came.`);for(let s of ki.devices.values())s.frame=null,s.status=null;ki.forget()}else At(n,`${e}. Open the URL that knurl-web printed when it started; it has a new token.`)}}),fi=new Kh(le("scene"),ki,{tip:le("tip"),scale:le("scale"),gizmo:le("gizmo")},{pull:(i,e)=>pE(i.info.i,e),drag:(i,e,t)=>B_.drag(i,e,t),say:pt}),zr=new Il(ki),dE=new Fl(ki,()=>Bi),B_=new Ol(ki,()=>Bi),Vr=new Hl(ki),Jh=null,Od=!1;function pE(i,e){Jh={device:i,target:e},Od||mE()}async function mE(){for(Od=!0;Jh;){let i=Jh;Jh=null;try{await Bi.request("pull",i)}catch(e){pt("error",e.message)}}Od=!1}var Ko=Dm(le("tabs"));Ko("tab-state");le("theme").addEventListener("click",Vu);le("fit").addEventListener("click",()=>fi.fit());le("follow").addEventListener("click",()=>k_());for(let i of["x","y","z"])le(`look-${i}`).addEventListener("click",()=>fi.look(i));le("shot").addEventListener("click",()=>{gE()});le("help").addEventListener("click",()=>le("help-dialog").showModal());for(let i of document.querySelectorAll("dialog"))i.addEventListener("click",e=>e.target===i&&i.close());for(let i of document.querySelectorAll("[data-close]"))i.addEventListener("click",()=>i.closest("dialog")?.close());function k_(){let i=fi.toggleFollow();le("follow").setAttribute("aria-pressed",String(i))}async function gE(){let i=await fi.picture();i&&Mr("knurl-scene.png",i)}var _E={"?":()=>le("help-dialog").showModal(),f:()=>fi.fit(),h:k_,x:()=>fi.look("x"),y:()=>fi.look("y"),z:()=>fi.look("z"),t:Vu," ":()=>Vr.isOpen?Vr.toggle():zr.setPaused(!zr.paused),p:()=>zr.setPaused(!zr.paused),a:()=>le("arm").click(),d:()=>le("disarm").click(),r:()=>le("reset").click(),o:()=>le("open").click(),1:()=>Ko("tab-state"),2:()=>Ko("tab-clients"),3:()=>Ko("tab-playground"),4:()=>Ko("tab-log"),",":()=>Vr.step(-.001),".":()=>Vr.step(.001)};window.addEventListener("keydown",i=>{let e=i.target;if(i.ctrlKey||i.metaKey||i.altKey||document.querySelector("dialog[open]")||/^(INPUT|SELECT|TEXTAREA)$/.test(e.tagName)||i.key===" "&&/^(BUTTON|SUMMARY)$/.test(e.tagName))return;let t=_E[i.key];t&&(i.preventDefault(),t())});var Bd=le("drop");window.addEventListener("dragover",i=>{i.dataTransfer?.types.includes("Files")&&(i.preventDefault(),Bd.hidden=!1)});window.addEventListener("dragleave",i=>{i.relatedTarget===null&&(Bd.hidden=!0)});window.addEventListener("drop",i=>{i.preventDefault(),Bd.hidden=!0;for(let e of i.dataTransfer?.files??[])/\.mcap$/i.test(e.name)?Vr.open(e):(Ko("tab-playground"),B_.loadMesh(e))});var kr=new Float32Array(600),U_=new Float32Array(600),Ud=new Float64Array(600),F_=0;function O_(i,e){return e===0?0:i.slice(0,e).sort()[e>>1]}function z_(i){requestAnimationFrame(z_);let e=performance.now();Vr.tick(i),fi.draw(i/1e3);let t=performance.now();i-F_>125?(F_=i,dE.slow()):zr.draw();let n=Gn.frames%kr.length;if(kr[n]=performance.now()-e+Bi.work,U_[n]=t-e,Ud[n]=i,Bi.work=0,Gn.frames++,Gn.frames%20===0){let s=Math.min(Gn.frames,kr.length);Gn.workP50=O_(kr,s),Gn.drawP50=O_(U_,s),Gn.workMax=Math.max(...kr.subarray(0,s));let r=Gn.frames>kr.length?Ud[Gn.frames%kr.length]:Ud[0];Gn.rate=1e3*(s-1)/(i-r),Object.assign(Gn,{messages:Bi.messages,reconnects:Bi.reconnects});let{triangles:o,calls:a,by:l}=fi.info;Object.assign(Gn,{triangles:o,calls:a,renderer:l})}Gn.messages=Bi.messages,Gn.reconnects=Bi.reconnects,Gn.items=[...ki.devices.values()].reduce((s,r)=>s+r.items.size,0)}var V_=new ResizeObserver(()=>{fi.resize(),zr.resize()});V_.observe(le("view"));V_.observe(le("charts"));fi.resize();Bi.open();requestAnimationFrame(z_);window.addEventListener("error",i=>pt("error",`The page has a mistake: ${i.message}`));window.addEventListener("unhandledrejection",i=>pt("error",`The page has a mistake: ${i.reason instanceof Error?i.reason.message:String(i.reason)}`));Object.assign(window,{knurl:{model:ki,scene:fi.scene,counters:Gn,view:fi,charts:zr,player:Vr,connection:Bi,resetCounters:()=>{Gn.frames=0}}});})();
