@@ -10,6 +10,8 @@
 #include <knurl/gateway/inverse.hpp>
 #include <knurl/json/json.hpp>
 
+#include "inverse_service.hpp"
+
 namespace inverse_test {
 
 using namespace knurl;
@@ -138,7 +140,7 @@ struct FakeService {
     }
     /// After what the test changes in `adjust`.
     void start() {
-        service = make_inverse(std::move(adjust));
+        service = serve_inverse(std::move(adjust));
         events = service.events(listener, "");
         session = service.simulation(socket, "");
     }
