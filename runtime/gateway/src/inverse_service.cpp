@@ -53,32 +53,6 @@ std::vector<std::string> parts_of(std::string_view path) {
     return parts;
 }
 
-/// The value of a key of a query; empty: it is not there. %XX is read.
-std::string query_value(std::string_view query, std::string_view key) {
-    while (!query.empty()) {
-        const auto end = std::min(query.find('&'), query.size());
-        const std::string_view pair = query.substr(0, end);
-        query.remove_prefix(std::min(end + 1, query.size()));
-        const auto equals = pair.find('=');
-        if (equals == std::string_view::npos || pair.substr(0, equals) != key) continue;
-        const std::string_view written = pair.substr(equals + 1);
-        std::string value;
-        for (std::size_t i = 0; i < written.size(); ++i) {
-            unsigned code = 0;
-            if (written[i] == '%' && i + 2 < written.size() &&
-                std::from_chars(written.data() + i + 1, written.data() + i + 3, code, 16).ptr ==
-                    written.data() + i + 3) {
-                value += static_cast<char>(code);
-                i += 2;
-            } else {
-                value += written[i];
-            }
-        }
-        return value;
-    }
-    return {};
-}
-
 std::optional<long> number_in(std::string_view text) {
     long number = 0;
     const auto read = std::from_chars(text.data(), text.data() + text.size(), number);
@@ -207,16 +181,13 @@ std::uint64_t InverseService::begin_session(InverseSession& session) {
     return last_session_;
 }
 
-InverseReply InverseService::http(std::string_view method, std::string_view target, std::string_view body,
-                                  Role role) {
+InverseReply InverseService::http(const InverseRequest& request) {
     look();
-    const auto question = target.find('?');
-    const std::string_view query = question == std::string_view::npos ? "" : target.substr(question + 1);
-    const auto path = parts_of(target.substr(0, question));
-    const std::string session = query_value(query, "session");
-    const bool gets = method == "GET";
+    const auto path = parts_of(request.path);
+    const std::string& session = request.session;
+    const bool gets = request.method == "GET";
     try {
-        if (!gets && method != "POST") throw HttpMistake{405, "this service knows GET and POST"};
+        if (!gets && request.method != "POST") throw HttpMistake{405, "this service knows GET and POST"};
         if (path.size() == 1 && path[0] == "version" && gets) {
             Json version = Json::object();
             version["project_name"] = "knurl";
@@ -246,17 +217,17 @@ InverseReply InverseService::http(std::string_view method, std::string_view targ
                 404,
                 fmt::format("there is no {} here; there are /version, /devices and "
                             "/inverse3/ID/config/gravity_compensation, handedness, torque_scaling, basis",
-                            words::printable(target, 60))};
+                            words::printable(request.path, 60))};
         if (gets && path[1] == "*") throw HttpMistake{400, "GET needs one device; write its id or its index"};
         const auto selected = devices_of(devices(), path[1]);
         const std::string& what = path[3];
         Json given;
         if (!gets) {
-            if (role == Role::observe) throw HttpMistake{403, "this caller may look only"};
-            if (body.size() > longest_body)
+            if (request.role == Role::observe) throw HttpMistake{403, "this caller may look only"};
+            if (request.body.size() > longest_body)
                 throw HttpMistake{413, fmt::format("the body is longer than {} bytes", longest_body)};
             try {
-                given = Json::parse(body);
+                given = Json::parse(request.body);
             } catch (const JsonError& error) {
                 throw HttpMistake{400, error.what()};
             }
@@ -310,8 +281,7 @@ Inverse serve_inverse(InverseOptions options) {
             .events = [service](Socket& socket, const std::string&) -> std::unique_ptr<SocketHandler> {
                 return std::make_unique<InverseListener>(service, socket);
             },
-            .http = [service](std::string_view method, std::string_view target, std::string_view body,
-                              Role role) { return service->http(method, target, body, role); }};
+            .http = [service](const InverseRequest& request) { return service->http(request); }};
 }
 
 }  // namespace knurl::gateway

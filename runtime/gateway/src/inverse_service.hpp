@@ -71,7 +71,7 @@ class InverseService {
     void end_session(std::uint64_t number) { sessions_.erase(number); }
     const std::map<std::uint64_t, InverseSession*>& sessions() const { return sessions_; }
 
-    InverseReply http(std::string_view method, std::string_view target, std::string_view body, Role role);
+    InverseReply http(const InverseRequest& request);
 
   private:
     InverseOptions options_;

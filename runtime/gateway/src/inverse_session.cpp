@@ -150,20 +150,20 @@ void InverseSession::text(std::string_view message) {
 }
 
 void InverseSession::read(const Json& message) {
-    for (const auto& [key, value] : message.items()) {
-        const auto entries = [&](auto read_entry) {
-            if (!value.is_array()) throw InverseMistake(fmt::format("{} must be a list of devices", key));
-            each_of(value, key, read_entry);
-        };
+    for (const Json::Item& item : message.items()) {
+        const bool devices = item.key == "inverse3";
+        const bool grips = item.key == "wireless_verse_grip" || item.key == "verse_grip";
         try {
-            if (key == "session")
-                read_session(value);
-            else if (key == "inverse3")
-                entries([this](const Json& entry) { read_device(entry); });
-            else if (key == "wireless_verse_grip" || key == "verse_grip")
-                entries([this](const Json& entry) { read_grip(entry); });
+            if ((devices || grips) && !item.value.is_array())
+                throw InverseMistake(fmt::format("{} must be a list of devices", item.key));
+            if (devices)
+                each_of(item.value, item.key, [this](const Json& entry) { read_device(entry); });
+            else if (grips)
+                each_of(item.value, item.key, [this](const Json& entry) { read_grip(entry); });
+            else if (item.key == "session")
+                read_session(item.value);
             else
-                unknown(key);
+                unknown(item.key);
         } catch (const InverseMistake& mistake) {
             complain("message-refused", mistake.what());
         }

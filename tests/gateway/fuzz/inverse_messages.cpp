@@ -41,8 +41,13 @@ void check_http(FakeService& fake, std::string_view line) {
     line.remove_prefix(method_end + 1);
     const auto target_end = std::min(line.find(' '), line.size());
     const std::string_view target = line.substr(0, target_end);
+    const auto query = std::min(target.find('?'), target.size());
     const InverseReply reply =
-        fake.service.http(method, target, line.substr(std::min(target_end + 1, line.size())), Role::control);
+        fake.service.http({.method = std::string(method),
+                           .path = std::string(target.substr(0, query)),
+                           .session = std::string(target.substr(std::min(query + 1, target.size()))),
+                           .body = std::string(line.substr(std::min(target_end + 1, line.size()))),
+                           .role = Role::control});
     const Json body = Json::parse(reply.body);
     require(reply.status == 200 || (body["ok"] == false && !body["error"].get<std::string>().empty()),
             "a refusal says why");

@@ -73,7 +73,21 @@ struct InverseOptions {
     std::function<std::unique_ptr<PeerCommands>(PeerOptions)> make_hand{};
 };
 
-/// An answer to an HTTP request, of type application/json.
+/// A request of HTTP, decoded.
+struct InverseRequest {
+    /// "GET" or "POST".
+    std::string method = "GET";
+    /// "/devices".
+    std::string path{};
+    /// What `?session=` says; empty: nothing.
+    std::string session{};
+    /// JSON.
+    std::string body{};
+    /// What the caller may do.
+    Role role = Role::observe;
+};
+
+/// An answer to it, of type application/json.
 struct InverseReply {
     /// The status code.
     unsigned status = 200;
@@ -87,10 +101,8 @@ struct Inverse {
     MakeHandler simulation;
     /// For the WebSocket of port 10020.
     MakeHandler events;
-    /// For HTTP at port 10001: method, target with its query, body, and what the caller may do.
-    std::function<InverseReply(std::string_view method, std::string_view target, std::string_view body,
-                               Role role)>
-        http;
+    /// For HTTP at port 10001.
+    std::function<InverseReply(const InverseRequest&)> http;
 };
 
 /// Makes the service.
