@@ -108,7 +108,8 @@ gateway::Site inverse_site(const CommandLine& said, knurl::web::Protocols& proto
     site.sockets.push_back(
         {.path = "/",
          .access = access,
-         .most_message = std::size_t{1} << 20,
+         .most_message = std::size_t{256} << 10,
+         .most_sockets = 64,
          .make = events ? protocols.make_inverse_events_handler() : protocols.make_inverse_handler()});
     return site;
 }
@@ -205,7 +206,7 @@ int main(int argc, char** argv) {
                        .type_name("PORT")
                        .shows_default();
     app.option("--inverse-device", said.settings.inverse_devices,
-               "A device that its clients may move; may be repeated")
+               "A device that its clients may move; may be repeated. Without it, any")
         .type_name("NAME");
     app.flag("--no-inverse", said.no_inverse, "Without the Inverse Service");
     app.option("--tls-certificate", said.certificate,

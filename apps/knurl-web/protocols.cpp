@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include <knurl/gateway/inverse.hpp>
 #include <knurl/gateway/live_page.hpp>
 #include <knurl/gateway/live_view.hpp>
 #include <knurl/json/json.hpp>
@@ -47,6 +48,16 @@ std::string of(const std::map<std::string, std::string>& query, const std::strin
     return found == query.end() ? std::string() : found->second;
 }
 
+/// The service has a look of its own at the servo: it answers each message with the newest report, not the newest tick.
+gateway::Inverse inverse_of(const Settings& settings) {
+    gateway::InverseOptions options;
+    options.servo = settings.servo;
+    if (!settings.inverse_devices.empty()) options.claimable = settings.inverse_devices;
+    options.version = KNURL_VERSION;
+    options.log = [](const std::string& line) { fmt::print(stderr, "knurl-web: {}\n", line); };
+    return gateway::make_inverse(std::move(options));
+}
+
 }  // namespace
 
 struct Protocols::Impl {
@@ -64,6 +75,7 @@ struct Protocols::Impl {
     Settings settings;
     gateway::LiveView view;
     gateway::LivePage page;
+    gateway::Inverse inverse = inverse_of(settings);
 };
 
 gateway::Response Protocols::Impl::mesh(const gateway::Request& request) {
@@ -128,15 +140,30 @@ gateway::MakeHandler Protocols::make_foxglove_handler() {
 }
 
 gateway::MakeHandler Protocols::make_inverse_handler() {
-    return [](gateway::Socket&, const std::string&) { return nullptr; };
+    return impl_->inverse.simulation;
 }
 
 gateway::MakeHandler Protocols::make_inverse_events_handler() {
-    return [](gateway::Socket&, const std::string&) { return nullptr; };
+    return impl_->inverse.events;
 }
 
 std::vector<gateway::HttpRoute> Protocols::inverse_routes() {
-    return {};
+    const auto answer = [this](const gateway::Request& request) {
+        const auto session = request.query.find("session");
+        const gateway::InverseReply reply =
+            impl_->inverse.http({.method = request.method,
+                                 .path = request.path,
+                                 .session = session == request.query.end() ? std::string() : session->second,
+                                 .body = request.body,
+                                 .role = request.role});
+        return gateway::Response{
+            .status = reply.status, .content_type = "application/json", .body = reply.body};
+    };
+    std::vector<gateway::HttpRoute> routes;
+    for (const char* path : {"/version", "/devices", "/inverse3/*"})
+        routes.push_back({.method = "GET", .path = path, .answer = answer});
+    routes.push_back({.method = "POST", .path = "/inverse3/*", .most_body = 4096, .answer = answer});
+    return routes;
 }
 
 }  // namespace knurl::web

@@ -33,15 +33,15 @@ std::string refusal(Kind kind, const std::string& keys) {
 TEST(Stated, keys_are_read_as_a_scene_file_reads_them) {
     const auto stated = read_stated(kind_of<Plane>,
                                     "id = \"floor\"\nmaterial = \"ice\"\nstiffness = 800\nnormal = [0, 0, "
-                                    "2]\nfriction = {dynamic = 0.5}\n");
+                                    "2]\nfriction = {dynamic = 0.02}\n");
     const auto plane = params_of<Plane>(stated);
     EXPECT_EQ(stated.id, "floor");
     EXPECT_FALSE(stated.options);
     EXPECT_EQ(plane.stiffness, 800);
     EXPECT_EQ(plane.normal, (Vec3{0, 0, 2}));
-    EXPECT_EQ(plane.friction.dynamic, 0.5);
+    EXPECT_EQ(plane.friction.dynamic, 0.02);
     const auto same = scenefile::parse_scene(
-        "[[plane]]\nmaterial = \"ice\"\nstiffness = 800\nnormal = [0, 0, 2]\nfriction.dynamic = 0.5\n", "s");
+        "[[plane]]\nmaterial = \"ice\"\nstiffness = 800\nnormal = [0, 0, 2]\nfriction.dynamic = 0.02\n", "s");
     EXPECT_EQ(stated.params, same.changes.at(0).params);
 }
 

@@ -221,6 +221,13 @@ TEST_F(PeerLifeTest, after_a_restart_of_the_servo_it_is_armed_again_if_the_peer_
     EXPECT_EQ(push(2), Calls{"arm"}) << "the client library has brought the force itself";
 }
 
+TEST_F(PeerLifeTest, a_restart_between_two_looks_is_noticed) {
+    push(2);
+    port.seen.servos = 1;
+    now += 10ms;
+    EXPECT_EQ(push(2), Calls{"arm"});
+}
+
 TEST_F(PeerLifeTest, after_a_restart_nothing_is_armed_for_a_peer_that_has_stopped) {
     push(2);
     port.seen.connected = false;
