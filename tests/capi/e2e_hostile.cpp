@@ -449,8 +449,8 @@ TEST_F(CHand, is_used_by_two_threads_at_once) {
         knurl_id id = 0;
         const knurl_plane last = plane(-1, 100);
         return knurl_add(hand, KNURL_PLANE, &last, nullptr, &id) == KNURL_OK &&
-               knurl_commit(hand, nullptr) == KNURL_OK &&
-               knurl_wait_applied(hand, 0, 20 * s) == KNURL_OK && knurl_remove(hand, id) == KNURL_OK;
+               knurl_commit(hand, nullptr) == KNURL_OK && knurl_wait_applied(hand, 0, 20 * s) == KNURL_OK &&
+               knurl_remove(hand, id) == KNURL_OK;
     }));
 }
 

@@ -60,8 +60,7 @@ inline bool is_on(const knurl_report& report) {
 
 struct CHand : testing::Test {
     void SetUp() override {
-        servo.emplace(
-            std::vector<std::string>{"--device", "sim:cartesian3", "--rate", std::to_string(rate)});
+        servo.emplace(std::vector<std::string>{"--device", "sim:cartesian3", "--rate", std::to_string(rate)});
         client = connect();
         claim();
     }
