@@ -412,6 +412,14 @@ TEST_F(CHand, is_used_by_two_threads_at_once) {
             ++read;
         }
     });
+    // An instrumented servo may lack the time for what two threads add as fast as they can. The refusal, and what
+    // follows from it (nothing is there that could be set or removed), comes out of whichever call is next.
+    const auto taken = [](int code) {
+        if (instrumented_servo && (code == KNURL_REFUSED || code == KNURL_STALE))
+            return one_line(knurl_error(nullptr));
+        return did(code);
+    };
+    std::atomic<int> whole{0};
     const auto change = [&] {
         for (int i = 0; i < 200; ++i) {
             knurl_id id = 0;
@@ -419,11 +427,13 @@ TEST_F(CHand, is_used_by_two_threads_at_once) {
             int code = knurl_add(hand, KNURL_PLANE, &first, nullptr, &id);
             if (code == KNURL_CHANNEL_FULL || code == KNURL_REFUSED) continue;
             EXPECT_TRUE(did(code));
-            EXPECT_TRUE(did(knurl_set(hand, id, KNURL_PLANE, &second)));
-            EXPECT_TRUE(did(knurl_commit(hand, nullptr)));
+            const int set = knurl_set(hand, id, KNURL_PLANE, &second);
+            EXPECT_TRUE(taken(set));
+            EXPECT_TRUE(taken(knurl_commit(hand, nullptr)));
             EXPECT_TRUE(did(knurl_progress(hand)));
             code = knurl_remove(hand, id);
-            EXPECT_TRUE(code == KNURL_OK || code == KNURL_CHANNEL_FULL) << code << knurl_error(hand);
+            EXPECT_TRUE(code == KNURL_CHANNEL_FULL || taken(code));
+            whole += set == KNURL_OK && code == KNURL_OK ? 1 : 0;
         }
     };
     std::thread other(change);
@@ -432,7 +442,16 @@ TEST_F(CHand, is_used_by_two_threads_at_once) {
     end = true;
     reader.join();
     EXPECT_GT(read, 0);
-    EXPECT_TRUE(did(knurl_commit(hand, nullptr)));
+    EXPECT_GT(whole, 0);
+    // What was refused last is told once; then the hand is as good as new.
+    EXPECT_TRUE(taken(knurl_commit(hand, nullptr)));
+    ASSERT_TRUE(eventually([&] {
+        knurl_id id = 0;
+        const knurl_plane last = plane(-1, 100);
+        return knurl_add(hand, KNURL_PLANE, &last, nullptr, &id) == KNURL_OK &&
+               knurl_commit(hand, nullptr) == KNURL_OK && knurl_wait_applied(hand, 0, 20 * s) == KNURL_OK &&
+               knurl_remove(hand, id) == KNURL_OK;
+    }));
 }
 
 TEST_F(CHand, is_closed_by_many_threads_once) {

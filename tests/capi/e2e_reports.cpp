@@ -1,5 +1,8 @@
 // Reading: the newest, the next, many at once, and when to look.
 
+#include <algorithm>
+#include <cstddef>
+
 #include <poll.h>
 
 #include "e2e_support.hpp"
@@ -70,6 +73,31 @@ TEST_F(CHand, many_reports_come_in_one_call_with_the_callers_stride) {
     std::size_t count = 99;
     EXPECT_TRUE(did(knurl_reports(hand, nullptr, 0, &count)));
     EXPECT_EQ(count, 0u);
+}
+
+TEST_F(CHand, many_reports_at_once_are_those_that_come_one_by_one) {
+    knurl_hand *one = nullptr, *many = nullptr, *watch = nullptr;
+    for (knurl_hand** observer : {&one, &many, &watch})
+        ASSERT_TRUE(did(knurl_observe(client, nullptr, observer)));
+    knurl_report report = sized<knurl_report>();
+    for (int i = 0; i < 200; ++i) {
+        ASSERT_TRUE(did(knurl_next_report(watch, 20 * s, &report)));
+    }
+    std::vector<knurl_report> some(300, sized<knurl_report>());
+    std::size_t count = 0;
+    ASSERT_TRUE(did(knurl_reports(many, some.data(), some.size(), &count)));
+    // Over a network both have gaps of their own.
+    std::size_t both = 0;
+    while (both < count && knurl_next_report(one, 100 * ms, &report) == KNURL_OK &&
+           report.cycle <= some[count - 1].cycle) {
+        const auto same = std::find_if(some.begin(), some.begin() + static_cast<std::ptrdiff_t>(count),
+                                       [&](const knurl_report& each) { return each.cycle == report.cycle; });
+        if (same == some.begin() + static_cast<std::ptrdiff_t>(count)) continue;
+        ++both;
+        ASSERT_EQ(std::memcmp(&report, &*same, offsetof(knurl_report, missed)), 0)
+            << "cycle " << report.cycle;
+    }
+    EXPECT_GE(both, 100u);
 }
 
 TEST_F(CHand, its_descriptor_is_readable_while_a_report_is_unread) {

@@ -1,7 +1,10 @@
 // Reports: polled, waited for, through a descriptor; losses are always counted.
 
 #include <algorithm>
+#include <cstring>
 #include <map>
+#include <random>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <poll.h>
@@ -53,6 +56,84 @@ TEST(Reports, a_reader_that_slept_is_told_exactly_how_many_it_missed) {
     EXPECT_GT(after->missed, 4096u);
     EXPECT_EQ(after->cycle - before->cycle, 1 + after->missed);
     EXPECT_EQ(sleeper.missed(), after->missed);
+}
+
+/// All that are unread, in calls of random size.
+std::vector<HandReport> drained(Observer& observer, std::mt19937_64& random) {
+    std::vector<HandReport> all;
+    for (;;) {
+        std::vector<HandReport> some(1 + random() % 300);
+        const std::size_t count = observer.drain(some);
+        all.insert(all.end(), some.begin(), some.begin() + static_cast<std::ptrdiff_t>(count));
+        if (count == 0) return all;
+    }
+}
+
+TEST(Reports, drained_ones_are_those_that_come_one_by_one) {
+    const std::uint64_t seed = std::random_device{}();
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    std::mt19937_64 random(seed);
+    ServoProcess servo;
+    Client client = connect(), beside = connect_beside();
+    Observer watch = beside.observe();
+    const ClaimOptions own{.shared = true}, moved{.shared = true, .workspace_centre = {1, 2, 3}},
+        scaled{.shared = true, .workspace_radius = 2, .workspace_centre = {0, -1, 0}};
+    for (const ClaimOptions& options : {own, moved, scaled}) {
+        Claim one = client.claim("", options), many = client.claim("", options);
+        ASSERT_TRUE(one.next_report(10s));
+        ASSERT_TRUE(many.next_report(10s));
+        for (int i = 0; i < 700; ++i) watch.next_report(10s);
+        servo.stop();
+        std::map<std::uint64_t, HandReport> singly;
+        while (const auto report = one.next_report(100ms)) singly[report->cycle] = *report;
+        std::vector<HandReport> at_once;
+        ASSERT_TRUE(eventually([&] {  // over a network some are still under way
+            for (const HandReport& report : drained(many, random)) at_once.push_back(report);
+            return at_once.size() >= 300;
+        }));
+        std::size_t both = 0;
+        for (std::size_t i = 0; i < at_once.size(); ++i) {
+            const HandReport& report = at_once[i];
+            if (i > 0) {
+                EXPECT_EQ(report.cycle, at_once[i - 1].cycle + 1 + report.missed - at_once[i - 1].missed);
+            }
+            const auto same = singly.find(report.cycle);
+            if (same == singly.end()) continue;
+            ++both;
+            ASSERT_EQ(std::memcmp(static_cast<const Report*>(&report),
+                                  static_cast<const Report*>(&same->second), sizeof(Report)),
+                      0)
+                << "cycle " << report.cycle;
+        }
+        EXPECT_GE(both, 300u);
+        EXPECT_EQ(at_once.back().unread, 0u);
+        servo.go_on();
+    }
+}
+
+TEST(Reports, drained_ones_tell_exactly_how_many_were_missed_before_each) {
+    const std::uint64_t seed = std::random_device{}();
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    std::mt19937_64 random(seed);
+    ServoProcess servo({"--device", "sim:cartesian3", "--rate", "16000"});
+    Client client = connect();
+    Observer sleeper = client.observe(), watch = client.observe();
+    auto last = sleeper.next_report(10s);
+    ASSERT_TRUE(last);
+    std::uint64_t got = 0;
+    const std::uint64_t first = last->cycle;
+    // 4095 reports are kept: after each pause the oldest is overwritten while it is read, or was before.
+    for (int round = 0; round < 5; ++round) {
+        for (auto passed = static_cast<int>(4000 + random() % 400); passed > 0;)
+            passed -= watch.next_report(1s) ? 1 : 0;
+        for (const HandReport& report : drained(sleeper, random)) {
+            ASSERT_EQ(report.cycle, last->cycle + 1 + report.missed - last->missed);
+            last = report;
+            ++got;
+        }
+    }
+    EXPECT_EQ(last->cycle - first, got + last->missed);
+    EXPECT_EQ(sleeper.missed(), last->missed);
 }
 
 TEST(Reports, latest_skips_what_nobody_asked_for_and_repeats_what_it_has) {

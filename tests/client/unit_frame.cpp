@@ -1,5 +1,6 @@
 // Reports come in the device's frame and leave the library in the claim's world.
 
+#include <cstring>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -32,6 +33,22 @@ TEST(Frame, the_devices_centre_lies_where_the_claim_said) {
     report.contact_point = report.position;
     EXPECT_EQ(to_world(some_frame(), report).position, (Vec3{1, 2, 3}));
     EXPECT_EQ(to_world(some_frame(), report).contact_point, (Vec3{1, 2, 3}));
+}
+
+TEST(Frame, one_that_only_moves_changes_points_alone) {
+    const knurl::protocol::Frame frame{.device_centre = {0.01, -0.02, 0.15}, .world_centre = {1, 2, 3}};
+    Report report;
+    report.position = report.velocity = report.slow_velocity = report.angular_velocity = {0.1, 0.2, 0.3};
+    report.contact_point = report.scene_force = report.scene_torque = report.sent_force =
+        report.sent_torque = {0.3, 0.2, 0.1};
+    Report wanted = report;
+    wanted.position = {0.1 - 0.01 + 1, 0.2 + 0.02 + 2, 0.3 - 0.15 + 3};
+    wanted.contact_point = {0.3 - 0.01 + 1, 0.2 + 0.02 + 2, 0.1 - 0.15 + 3};
+    const Report world = to_world(frame, report);
+    EXPECT_EQ(std::memcmp(&world, &wanted, sizeof world), 0);
+    EXPECT_EQ(to_world({.device_centre = {1, 2, 3}, .world_centre = {1, 2, 3}}, report).position,
+              report.position)
+        << "where both centres are the same nothing is rounded";
 }
 
 TEST(Frame, lengths_scale_and_angles_do_not) {

@@ -1,3 +1,8 @@
+#include <cstring>
+#include <functional>
+#include <random>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include <knurl/shm/broadcast_ring.hpp>
@@ -59,6 +64,98 @@ TEST_F(BroadcastRing, ASlowReaderIsToldExactlyHowManyItMissed) {
     std::uint64_t got = 2;
     while (slow.next(&report_)) ++got;
     EXPECT_EQ(got + slow.missed(), 23u);
+}
+
+/// Rows with a word of the caller's before each report, and one after it.
+struct Row {
+    std::uint64_t before = 7;
+    Report report{};
+    std::uint64_t after = 9;
+};
+std::byte* first_of(std::vector<Row>& rows) {
+    return reinterpret_cast<std::byte*>(&rows.front().report);
+}
+
+TEST_F(BroadcastRing, ManyAtOnceAreWhatNextGives) {
+    BroadcastReader one = reader(0), many = reader(0);
+    std::vector<Row> rows(5);
+    EXPECT_EQ(many.next_some(first_of(rows), sizeof(Row), rows.size()), 0u);
+    std::uint64_t total = 0;
+    // Around the ring many times, in every phase of it; also past its end, and with more than there is room for.
+    for (int published = 0; published < 24; ++published) {
+        publish(published);
+        for (std::size_t got = 1; got > 0; total += got) {
+            for (Row& row : rows) row = {};
+            got = many.next_some(first_of(rows), sizeof(Row), rows.size());
+            ASSERT_LE(got, rows.size());
+            for (std::size_t i = 0; i < rows.size(); ++i) {
+                ASSERT_EQ(rows[i].before, 7u);
+                ASSERT_EQ(rows[i].after, 9u);
+                if (i >= got) continue;
+                ASSERT_TRUE(one.next(&report_));
+                ASSERT_TRUE(rows[i].report.is(one.position() - 1));
+                ASSERT_EQ(std::memcmp(&rows[i].report, &report_, sizeof report_), 0);
+            }
+            ASSERT_EQ(many.position(), one.position());
+            ASSERT_EQ(many.missed(), one.missed());
+        }
+        ASSERT_EQ(many.position(), writer_.published());
+        ASSERT_EQ(total + many.missed(), many.position());
+    }
+    EXPECT_GT(many.missed(), 0u);
+    publish(1);
+    EXPECT_EQ(many.next_some(first_of(rows), sizeof(Row), 0), 0u);
+    EXPECT_EQ(many.position() + 1, writer_.published());
+}
+
+/// The writer goes on while a reader copies: before each report that is copied, so many are published.
+struct OvertakingMemory : HardwareMemory {
+    static inline std::function<void()> before_copy;
+    static void load_payload(void* to, const Payload* shared, std::size_t words,
+                             std::memory_order order) noexcept {
+        before_copy();
+        HardwareMemory::load_payload(to, shared, words, order);
+    }
+};
+
+TEST_F(BroadcastRing, AWriterThatOvertakesInTheMiddleCostsWhatItOverwroteAndNoMore) {
+    const std::uint64_t seed = test::seed();
+    SCOPED_TRACE("KNURL_SEED=" + std::to_string(seed));
+    std::mt19937_64 random(seed);
+    const BroadcastPlaces<> hardware = broadcast_places(memory_.data(), slots, sizeof(Report));
+    BasicBroadcastReader<OvertakingMemory> late({.end = hardware.end,
+                                                 .slots = hardware.slots,
+                                                 .count = slots,
+                                                 .stride_words = hardware.stride_words,
+                                                 .slot_words = hardware.slot_words},
+                                                0);
+    std::uint64_t got = 0, in_the_middle = 0;
+    for (int round = 0; round < 20'000; ++round) {
+        publish(static_cast<int>(random() % (2 * slots)));
+        const std::uint64_t pause = 1 + random() % 40;  // copies from one publication to the next
+        OvertakingMemory::before_copy = [&] {
+            if (random() % pause != 0) return;
+            publish(static_cast<int>(1 + random() % 3));
+            ++in_the_middle;
+        };
+        std::vector<Row> rows(1 + random() % slots);
+        const std::size_t read = late.next_some(first_of(rows), sizeof(Row), rows.size());
+        got += read;
+        for (std::size_t i = 0; i < read; ++i) ASSERT_TRUE(rows[i].report.is(late.position() - read + i));
+        ASSERT_EQ(got + late.missed(), late.position());
+        ASSERT_LE(late.position(), writer_.published());
+    }
+    EXPECT_GT(got, 0u);
+    EXPECT_GT(late.missed(), 0u);
+    EXPECT_GT(in_the_middle, 0u);
+    // A writer that is never overtaken by any copy: the reader gives up until the next call, and counts on.
+    OvertakingMemory::before_copy = [&] { publish(slots); };
+    publish(slots);
+    std::vector<Row> rows(slots);
+    EXPECT_EQ(late.next_some(first_of(rows), sizeof(Row), rows.size()), 0u);
+    OvertakingMemory::before_copy = [] {};
+    got += late.next_some(first_of(rows), sizeof(Row), rows.size());
+    EXPECT_EQ(got + late.missed(), writer_.published());
 }
 
 TEST_F(BroadcastRing, TheLastSlotsLessOneCanBeRead) {

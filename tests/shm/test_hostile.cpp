@@ -161,14 +161,17 @@ TEST_F(Hostile, ReportRingWithAnyBytesIsReadWithoutHangingOrLeavingIt) {
                                random_() % 2 ? BroadcastReader::newest : adversarial());
         for (int step = 0; step < 6; ++step) {
             spoil(memory, random_() % 2 ? 0 : random_() % memory.words());
-            std::uint64_t out[8];
+            std::uint64_t out[8 * slots];
             const std::uint64_t before = reader.position();
-            switch (random_() % 3) {
+            switch (random_() % 4) {
                 case 0:
                     reader.next(out);
                     break;
                 case 1:
                     reader.latest(out);
+                    break;
+                case 2:
+                    ASSERT_LT(reader.next_some(reinterpret_cast<std::byte*>(out), 64, slots), slots);
                     break;
                 default:
                     reader.at(adversarial(), out);

@@ -2,7 +2,10 @@
 // over plain payload, so that a slot which both sides touch at once is a race that it reports. (Over atomic
 // words it would be silent even about a ring without any order.)
 
+#include <atomic>
+#include <random>
 #include <thread>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -126,6 +129,44 @@ TEST(Threads, ReportsAreWholeAndExactlyCountedUnderAFullSpeedWriter) {
     first.join();
     second.join();
     EXPECT_EQ(wrong, 0u);
+}
+
+TEST(Threads, ManyReportsAtOnceAreWholeAndExactlyCountedByReadersThatStall) {
+    using Report = Record<47>;
+    constexpr std::uint32_t slots = 64;
+    const std::uint64_t first_seed = test::seed();
+    SCOPED_TRACE("KNURL_SEED=" + std::to_string(first_seed));
+    Memory memory(broadcast_bytes(slots, sizeof(Report)));
+    broadcast_init(memory.data());
+    std::atomic<std::uint64_t> wrong = 0, got_any = 0;
+    const auto read = [&](std::uint64_t own_seed) {
+        std::mt19937_64 random(own_seed);
+        BroadcastReader reader(memory.data(), slots, sizeof(Report), 0);
+        std::vector<Report> reports(slots);
+        std::uint64_t got = 0;
+        while (reader.position() < messages) {
+            const std::size_t some = reader.next_some(reinterpret_cast<std::byte*>(reports.data()),
+                                                      sizeof(Report), 1 + random() % reports.size());
+            got += some;
+            for (std::size_t i = 0; i < some; ++i)
+                if (!reports[i].is(reader.position() - some + i)) ++wrong;
+            if (got + reader.missed() != reader.position()) ++wrong;
+            for (std::uint64_t stall = random() % 3 == 0 ? random() % 200 : 0; stall > 0; --stall)
+                std::this_thread::yield();
+        }
+        got_any += got;
+    };
+    std::thread first(read, first_seed), second(read, first_seed + 1);
+    BroadcastWriter writer(memory.data(), slots, sizeof(Report));
+    for (std::uint64_t n = 0; n < messages; ++n) {
+        const Report report = Report::numbered(n);
+        writer.publish(&report);
+        if (n % 64 == 0) std::this_thread::yield();
+    }
+    first.join();
+    second.join();
+    EXPECT_EQ(wrong, 0u);
+    EXPECT_GT(got_any, 0u);
 }
 
 }  // namespace

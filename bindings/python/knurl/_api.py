@@ -32,7 +32,7 @@ from ._feedback import Feedback, FeedbackFlags, Followed, SurfacePoint
 from ._hand import Hand
 from ._library import check_layout, lib
 from ._observer import Observer
-from ._reports import DeviceState, Faults, Frame, Report, ReportFlags
+from ._reports import DeviceState, Faults, Frame, Report, ReportFlags, report_dtype
 from ._representation import AUTOMATIC, INFINITY, Representation
 
 if TYPE_CHECKING:
@@ -124,5 +124,6 @@ __all__ = [
     "load",
     "materials",
     "plot",
+    "report_dtype",
     "simulated",
 ]

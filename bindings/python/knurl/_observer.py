@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes as c
 import time
-from typing import TYPE_CHECKING, Any, AsyncIterator, Callable, Dict, Iterator, Optional, Tuple, Union, overload
+from typing import TYPE_CHECKING, Any, AsyncIterator, Callable, Dict, Iterator, List, Optional, Tuple, Union, overload
 
 from . import _structs as s
 from ._device import Device, Network, device_of, network_of
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
 SLICE = 0.05
 """Longest wait inside the library (s): Ctrl-C arrives in between."""
-_ROOM = 4096  # reports that the servo keeps
 
 
 def slices(timeout: Optional[float]) -> Iterator[int]:
@@ -33,6 +32,15 @@ def slices(timeout: Optional[float]) -> Iterator[int]:
         if left <= 0:
             return
         yield int(min(left, SLICE) * 1e9)
+
+
+def _checked(out: Any) -> Any:
+    """An array that the library may fill; else BadParameters."""
+    if not isinstance(out, numpy().ndarray) or out.dtype != report_dtype() or out.ndim != 1:
+        raise BadParameters("out is no array of reports; make one with numpy.empty(4096, knurl.report_dtype())")
+    if not (out.flags.c_contiguous and out.flags.writeable and out.flags.aligned):
+        raise BadParameters("out is an array with gaps, or one that cannot be written; give a whole one")
+    return out
 
 
 class Pace:
@@ -59,7 +67,7 @@ class Observer:
         self._client = client
         self._handle: Optional[int] = handle
         self._origin_ns: Optional[int] = None
-        self._scratch: Any = None
+        self._rooms: List[Any] = []
         self._on_close: Dict[int, Callable[[], None]] = {}
 
     # ------------------------------------------------------------------ life
@@ -161,23 +169,33 @@ class Observer:
 
     # ------------------------------------------------------------------ many
 
-    def drain(self) -> "Table":
+    def drain(self, out: Optional["Table"] = None) -> "Table":
         """All reports that were not read, in order, as a structured array with the names of Report. Does not wait.
 
-        `array["position"]` is of shape (n, 3); `missed` of the last row counts what was overwritten before.
+        `array["position"]` is of shape (n, 3); `missed` of a row counts what was overwritten before it.
+
+        `out`: an array of the type knurl.report_dtype(), which is filled from its beginning with as many as it has
+        room for; the result is that part of it. Without it the array is the caller's to keep. The memory of those
+        that were let go is used again.
         """
-        room = self._scratch if self._scratch is not None else numpy().empty(_ROOM, report_dtype())
-        array: "Table" = room[: self._drain_into(room)]
-        # A few are copied out of the room that is used again; many keep it, which costs no copy.
-        self._scratch = room if len(array) < _ROOM // 8 else None
-        return array.copy() if self._scratch is not None else array
+        if out is not None:
+            return out[: self._drain_into(_checked(out))] if len(out) else out
+        from . import _rooms
+
+        room = _rooms.take(self._rooms)
+        try:
+            count = self._drain_into(room)
+        except BaseException:
+            _rooms.give_back(self._rooms, room)
+            raise
+        return _rooms.lend(self._rooms, room, count)
 
     def _drain_into(self, room: Any) -> int:
         count = c.c_size_t()
-        room[0]["size"] = room.dtype.itemsize
+        room["size"][0] = room.itemsize
         check(lib.knurl_reports(self._handle, room.ctypes.data, len(room), c.byref(count)))
-        if count.value:
-            self._origin(int(room[0]["read_ns"]))
+        if count.value and self._origin_ns is None:
+            self._origin(int(room["read_ns"][0]))
         return count.value
 
     def seconds(self, read_ns: Any) -> Any:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from typing import Any, Optional
 
 from ._errors import BadParameters
@@ -24,7 +25,16 @@ def plot(recording: Any, path: Optional[str] = None) -> Any:
     live = "read_ns" in reports.dtype.names
     time = (reports["read_ns"] - reports["read_ns"][0]) * 1e-9 if live else reports["time"]
     force = reports["sent_force" if live else "force"]
-    figure = Figure(figsize=(8, 5), layout="constrained")
+
+    class Picture(Figure):  # type: ignore[misc]
+        """A notebook that has not imported pyplot does not know how to show a Figure."""
+
+        def _repr_png_(self) -> bytes:
+            png = io.BytesIO()
+            self.savefig(png, format="png")
+            return png.getvalue()
+
+    figure = Picture(figsize=(8, 5), layout="constrained")
     above, below = figure.subplots(2, 1, sharex=True)
     touching = (reports["flags"] & ReportFlags.TOUCHING.value) != 0
     for axes, values, label in ((above, reports["position"] * 1e3, "position (mm)"), (below, force, "force (N)")):

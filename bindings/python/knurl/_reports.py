@@ -246,8 +246,14 @@ class Frame(Report):
         return int(self._frame.skipped)
 
 
+_dtype: Any = None
+
+
 def report_dtype() -> Any:
     """The structured type of what drain() returns: knurl_report, with its names and offsets."""
-    dtype = numpy().dtype(s.ReportRow)
-    assert dtype.itemsize == 400 and dtype.fields["cycle"][1] == 8, "knurl_report is laid out otherwise here"
-    return dtype
+    global _dtype
+    if _dtype is None:
+        dtype = numpy().dtype(s.ReportRow)
+        assert dtype.itemsize == 400 and dtype.fields["cycle"][1] == 8, "knurl_report is laid out otherwise here"
+        _dtype = dtype
+    return _dtype

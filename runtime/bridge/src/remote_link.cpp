@@ -1,6 +1,7 @@
 // The three classes of the link interface, over a Connection and its streams.
 
 #include <algorithm>
+#include <cstring>
 #include <optional>
 #include <string>
 #include <vector>
@@ -25,6 +26,13 @@ class RemoteReports final : public detail::ReportSource {
     explicit RemoteReports(std::shared_ptr<Stream> stream) : stream_(std::move(stream)) {}
 
     bool next(Report& out) noexcept override { return stream_->next(out); }
+    std::size_t next_some(std::byte* out, std::size_t, std::size_t most) noexcept override {
+        // One by one, since any of them may have a gap before it.
+        Report report;
+        if (most == 0 || !stream_->next(report)) return 0;
+        std::memcpy(out, &report, sizeof report);
+        return 1;
+    }
     bool latest(Report& out) noexcept override { return stream_->latest(out); }
     bool newest(Report& out) const noexcept override { return stream_->newest(out); }
     bool fresh() const noexcept override { return stream_->fresh(); }

@@ -20,6 +20,10 @@ static_assert(offsetof(knurl_report, contact_point) == shift + offsetof(Report, 
 static_assert(offsetof(knurl_report, state) == shift + offsetof(Report, state));
 static_assert(offsetof(knurl_report, late_count) == shift + offsetof(Report, late_count));
 static_assert(offsetof(knurl_report, touches) == shift + offsetof(Report, touches));
+// And with the two that follow, those of HandReport.
+static_assert(offsetof(knurl_report, unread) == offsetof(knurl_report, missed) + sizeof(std::uint64_t));
+static_assert(sizeof(HandReport) == sizeof(Report) + 2 * sizeof(std::uint64_t) &&
+              shift % alignof(HandReport) == 0);
 
 void copy(const HandReport& from, knurl_report& to) {
     std::memcpy(reinterpret_cast<std::byte*>(&to) + shift, static_cast<const Report*>(&from), sizeof(Report));
@@ -80,16 +84,15 @@ int knurl_reports(knurl_hand* hand, knurl_report* out, size_t capacity, size_t* 
         require_room(out, "knurl_report");
         const std::uint64_t stride = out->size;
         auto* to = reinterpret_cast<std::byte*>(out);
-        HandReport some[64];  // on the stack, whatever the capacity
+        // In parts, since each size is written next to a report that is in the cache still.
+        constexpr std::size_t part = 64;
         while (*count < capacity) {
-            const std::size_t got =
-                it.reader().drain(std::span(some).first(std::min(capacity - *count, std::size(some))));
-            for (std::size_t i = 0; i < got; ++i, to += stride, ++*count) {
-                auto& each = *reinterpret_cast<knurl_report*>(to);
-                each.size = stride;
-                copy(some[i], each);
-            }
-            if (got < std::size(some)) break;
+            const std::size_t wanted = std::min(capacity - *count, part);
+            const std::size_t got = it.reader().drain_rows(to + shift, stride, wanted);
+            *count += got;
+            for (std::size_t i = 0; i < got; ++i, to += stride)
+                reinterpret_cast<knurl_report*>(to)->size = stride;
+            if (got < wanted) break;
         }
         return *count > 0 ? KNURL_OK : KNURL_NOTHING;
     });

@@ -64,7 +64,10 @@ std::optional<HandFrame> Observer::newest(std::chrono::nanoseconds timeout) {
     return reader_->newest(timeout);
 }
 std::size_t Observer::drain(std::span<HandReport> out) {
-    return reader_->drain(out);
+    return reader_->drain(reinterpret_cast<std::byte*>(out.data()), sizeof(HandReport), out.size());
+}
+std::size_t Observer::drain_rows(std::byte* first, std::size_t stride, std::size_t most) {
+    return reader_->drain(first, stride, most);
 }
 int Observer::fd() {
     return reader_->fd();
@@ -163,9 +166,6 @@ void Claim::disarm() {
 }
 void Claim::reset_fault() {
     state_->ask(protocol::CommandType::reset_fault);
-}
-void Claim::release() {
-    state_->close();
 }
 std::uint64_t Claim::commit() {
     return state_->commit();

@@ -3,10 +3,10 @@
 
 #include <atomic>
 #include <condition_variable>
+#include <cstddef>
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <span>
 #include <string>
 
 #include <knurl/client/client.hpp>
@@ -35,7 +35,8 @@ class Reader {
     std::optional<HandReport> latest();
     std::optional<HandReport> next_report(std::chrono::nanoseconds timeout);
     std::optional<HandFrame> newest(std::chrono::nanoseconds timeout);
-    std::size_t drain(std::span<HandReport> out);
+    /// At first + i * stride begins a HandReport.
+    std::size_t drain(std::byte* first, std::size_t stride, std::size_t most);
     int fd();
     std::uint64_t missed();
     DeviceDescription description();

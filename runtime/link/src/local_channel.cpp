@@ -69,8 +69,13 @@ class LocalReports final : public ReportSource {
     bool next(Report& out) noexcept override {
         const std::uint64_t missed_before = reader_.missed();
         const bool got = reader_.next(&out);
-        if (reader_.missed() != missed_before)  // for the table of clients; orders nothing
-            shm::HardwareMemory::store(flag_->missed, reader_.missed(), std::memory_order::relaxed);
+        tell_missed(missed_before);
+        return got;
+    }
+    std::size_t next_some(std::byte* out, std::size_t stride, std::size_t most) noexcept override {
+        const std::uint64_t missed_before = reader_.missed();
+        const std::size_t got = reader_.next_some(out, stride, most);
+        tell_missed(missed_before);
         return got;
     }
     bool latest(Report& out) noexcept override { return reader_.latest(&out); }
@@ -100,6 +105,11 @@ class LocalReports final : public ReportSource {
     }
 
   private:
+    void tell_missed(std::uint64_t before) noexcept {
+        if (reader_.missed() != before)  // for the table of clients; orders nothing
+            shm::HardwareMemory::store(flag_->missed, reader_.missed(), std::memory_order::relaxed);
+    }
+
     static constexpr std::uint64_t newest_one = shm::BroadcastReader::newest;
     shm::BroadcastReader at(std::uint64_t start) const {
         return {device_->data() + protocol::device_layout().reports, protocol::report_slots, sizeof(Report),

@@ -33,6 +33,7 @@ std::size_t attached = 0;  // claims at the servo, of all connections
 
 struct NoReports final : detail::ReportSource {
     bool next(Report&) noexcept override { return false; }
+    std::size_t next_some(std::byte*, std::size_t, std::size_t) noexcept override { return 0; }
     bool latest(Report&) noexcept override { return false; }
     bool newest(Report&) const noexcept override { return false; }
     bool fresh() const noexcept override { return false; }

@@ -57,6 +57,28 @@ struct Reports : rl::test_suite<Reports<Orders, count>, 2> {
     }
 };
 
+/// The same writer, and a reader that copies two reports before it looks at the counter again.
+template <class Orders, std::uint32_t count>
+struct SomeReports : Reports<Orders, count> {
+    using Base = Reports<Orders, count>;
+
+    void thread(unsigned index) { index == 0 ? this->write() : read(); }
+
+    void read() {
+        BasicBroadcastReader<Memory, Orders> reader(this->places(), 0);
+        std::uint64_t got = 0;
+        for (std::uint64_t i = 0; i < Base::reports; ++i) {
+            std::uint64_t some[2][Base::slot_words] = {};
+            const std::size_t read =
+                reader.next_some(reinterpret_cast<std::byte*>(some), sizeof some[0], std::size(some));
+            got += read;
+            for (std::size_t k = 0; k < read; ++k)
+                for (const std::uint64_t word : some[k]) require(word == reader.position() - read + k + 1);
+            require(got + reader.missed() == reader.position());
+        }
+    }
+};
+
 struct RelaxedPublishEnd : BroadcastOrders {
     static constexpr auto publish_end = std::memory_order::relaxed;
     static constexpr auto put_word = std::memory_order::relaxed;
@@ -85,6 +107,14 @@ struct OneSlotTooMany : BroadcastOrders {
 TEST(BroadcastModel, ReportsAreWholeAndTheMissedAreCountedExactly) {
     expect_holds<Reports<BroadcastOrders, 2>>();
     expect_holds<Reports<BroadcastOrders, 4>>();
+}
+TEST(BroadcastModel, SomeReportsAtOnceAreWholeAndTheMissedAreCountedExactly) {
+    expect_holds<SomeReports<BroadcastOrders, 4>>();
+}
+TEST(BroadcastModel, WrongTwinsOfSomeReportsAtOnce) {
+    expect_found_wrong<SomeReports<RelaxedPublishEnd, 4>>();
+    expect_found_wrong<SomeReports<RelaxedGetWord, 4>>();
+    expect_found_wrong<SomeReports<OneSlotTooMany, 4>>();
 }
 TEST(BroadcastModel, WrongTwinRelaxedPublishEnd) {
     expect_found_wrong<Reports<RelaxedPublishEnd, 2>>();

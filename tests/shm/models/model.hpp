@@ -101,6 +101,7 @@ struct SimulatedMemory {
     static void fence(std::memory_order order) {
         if (order != std::memory_order::relaxed) rl::atomic_thread_fence(simulated(order), here());
     }
+    static void prefetch(const Payload*, std::size_t) {}
     static void store_payload(Payload* to, const void* from, std::size_t words, std::memory_order order) {
         for (std::size_t i = 0; i < words; ++i) {
             std::uint64_t value;

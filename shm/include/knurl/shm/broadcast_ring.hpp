@@ -20,6 +20,8 @@
 /// `end` alone would not do. A writer killed anywhere leaves `end` true, and the one torn slot lies outside
 /// the readable ones: no repair.
 
+#include <algorithm>
+
 #include <knurl/shm/words.hpp>
 
 namespace knurl::shm {
@@ -116,6 +118,34 @@ class BasicBroadcastReader {
         return false;
     }
 
+    /// As next(), of up to `most` reports at once: report i goes to out + i * stride (bytes). Returns how many;
+    /// what was missed lies before the first of them. Room beyond may hold anything then.
+    ///
+    /// The writer's counter is looked at once before and once after all of them, since each look takes its line
+    /// away from the writer. The oldest is overwritten first: if it was whole at the end, so are the others.
+    std::size_t next_some(std::byte* out, std::size_t stride, std::size_t most) noexcept {
+        for (int attempt = 0; attempt < max_attempts; ++attempt) {
+            const std::uint64_t end = published();
+            if (end <= next_) return 0;
+            const std::uint64_t oldest = end - next_ < places_.count ? next_ : end - (places_.count - 1);
+            missed_ += oldest - next_;
+            next_ = oldest;
+            const std::size_t some = std::min<std::uint64_t>(most, end - next_);
+            for (std::size_t i = 0; i < some; ++i) {
+                // From the writer's cache; none beyond the last, where the writer is at work.
+                if (i + ahead < some) Memory::prefetch(slot(next_ + i + ahead), places_.slot_words);
+                load(next_ + i, out + i * stride);
+            }
+            if (is_readable(next_)) {
+                next_ += some;
+                return some;
+            }
+            // Overtaken: the fewer, the sooner they are copied.
+            most = (some + 1) / 2;
+        }
+        return 0;
+    }
+
     /// The newest report, if it is newer than the last one that was read. Those between are counted as
     /// skipped, not as missed: the caller did not want them. False: nothing new; `out` may hold anything
     /// then.
@@ -159,11 +189,22 @@ class BasicBroadcastReader {
     const typename Memory::Word& end_word() const noexcept { return *places_.end; }
 
   private:
+    /// Reports that next_some() asks for before it copies them.
+    static constexpr std::size_t ahead = 4;
+
     /// Whole, or false. The test comes after the copy: a reader that is preempted in the middle is the normal
     /// case.
     bool copy(std::uint64_t n, void* out) const noexcept {
-        Memory::load_payload(out, places_.slots + (n & (places_.count - 1)) * places_.stride_words,
-                             places_.slot_words, Orders::get_word);
+        load(n, out);
+        return is_readable(n);
+    }
+    void load(std::uint64_t n, void* out) const noexcept {
+        Memory::load_payload(out, slot(n), places_.slot_words, Orders::get_word);
+    }
+    const typename Memory::Payload* slot(std::uint64_t n) const noexcept {
+        return places_.slots + (n & (places_.count - 1)) * places_.stride_words;
+    }
+    bool is_readable(std::uint64_t n) const noexcept {
         return Orders::readable(n, Memory::load(*places_.end, Orders::check_end), places_.count);
     }
 

@@ -55,6 +55,12 @@ struct HardwareMemory {
     /// Fence between threads.
     static void fence(std::memory_order order) noexcept { std::atomic_thread_fence(order); }
 
+    /// Asks for the cache lines of what will be copied out of shared memory soon.
+    static void prefetch(const Payload* shared, std::size_t words) noexcept {
+        constexpr std::size_t line_words = 8;
+        for (std::size_t i = 0; i < words; i += line_words) __builtin_prefetch(shared + i);
+    }
+
     /// Copies into shared memory word by word, because compilers never join atomics to vectors; four to a
     /// turn, which halves the time.
     static void store_payload(Payload* shared, const void* from, std::size_t words,

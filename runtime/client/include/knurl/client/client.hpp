@@ -25,6 +25,7 @@
 
 #include <chrono>
 #include <concepts>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -178,6 +179,9 @@ class Observer {
     /// For a program that wants every report, but seldom: those that were not read, in order, as many as
     /// `out` has room for. Does not wait. Returns how many.
     std::size_t drain(std::span<HandReport> out);
+    /// As drain(), into structs of another layout, as other languages have them: a HandReport begins at
+    /// first + i * stride (bytes, both multiples of 8).
+    std::size_t drain_rows(std::byte* first, std::size_t stride, std::size_t most);
     /// A descriptor for poll, epoll or any loop: readable while a report is there that was not read, and once
     /// when the servo has gone. It stays the same also across a restart of the servo. It belongs to the
     /// library: do not close it.
@@ -196,7 +200,8 @@ class Observer {
     bool connected() const;
     /// How often the servo came back.
     std::uint64_t reattachments() const;
-    /// Ends the reading, of copies too: calls that wait in other threads, and all others from now on, throw.
+    /// Ends the reading, of copies too: calls that wait in other threads, and all others from now on, throw. Of
+    /// a claim: the force fades and the device is free, as by its destructor.
     void release();
 
   protected:
@@ -265,8 +270,6 @@ class Claim : public Observer {
     /// arm() does.
     void reset_fault();
 
-    /// The force fades and the device is free. The destructor does the same.
-    void release();
     /// Sends all changes since the last commit as one batch, which takes effect in one cycle, and renews the
     /// claim. An empty commit says that the application is alive. A claim without commits is silent after
     /// max(250 ms, 3 of its intervals), and its force fades. Until three intervals were measured it is silent

@@ -6,6 +6,7 @@
 /// above this line differs.
 
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -27,7 +28,10 @@ namespace knurl::detail {
 class ReportSource {
   public:
     virtual ~ReportSource() = default;
-    virtual bool next(Report& out) noexcept = 0;    // in order
+    virtual bool next(Report& out) noexcept = 0;  // in order
+    /// As next(), of up to `most` reports: the one of number i goes to out + i * stride. Returns how many. What
+    /// missed() has grown by lies before the first of them.
+    virtual std::size_t next_some(std::byte* out, std::size_t stride, std::size_t most) noexcept = 0;
     virtual bool latest(Report& out) noexcept = 0;  // the newest, if it was not read yet; skips the others
     virtual bool newest(Report& out) const noexcept = 0;  // the newest; moves nothing
     virtual bool fresh() const noexcept = 0;              // next() has something
