@@ -212,11 +212,13 @@ test("a fault: its cause and remedy, and the way out", onlyMock, () =>
 
 test("a hand that buzzes: how much, at which frequency, and why", onlyMock, () =>
   with_page(async (tab) => {
+    await make("do=plane");
     await make("do=buzz");
     await tab.waitForFunction(() => /mm at 8[345] Hz/.test(document.querySelector("#buzz").textContent), null, { timeout: 20000 });
     assert.match(await tab.locator("#advice-over").textContent(), /^The hand buzzes: 0\.1[12] mm at 84 Hz\./);
     await shot(tab, "buzz");
     await make("do=calm");
+    await make("do=clear");
     await tab.waitForFunction(() => document.querySelector("#advice-over").hidden, null, { timeout: 20000 });
   }));
 

@@ -111,11 +111,12 @@ test("no buzz where the hand moves, or rests", () => {
 
 test("what is said of a buzz", () => {
   const buzz = { frequency: 84, amplitude: 0.12e-3, slow: 0, share: 1, buzzes: true };
-  const calm = { kMax: 3105, stiffest: 800, late: 0, vibrations: [], textured: false };
+  const calm = { kMax: 3105, stiffest: 800, late: 0, forced: true, vibrations: [], textured: false };
   assert.match(buzzSentence(buzz, calm), /^The hand buzzes: 0\.12 mm at 84 Hz\. A stiffness above the device's k_max \(3105 N\/m\)/);
   assert.match(buzzSentence(buzz, { ...calm, stiffest: 5000 }), /asks for 5000 N\/m, more than/);
   assert.match(buzzSentence(buzz, { ...calm, late: 7 }), /7 late cycles/);
   assert.match(buzzSentence(buzz, { ...calm, vibrations: [85] }), /^The hand vibrates.*as a vibration of 85 Hz asks for/);
+  assert.match(buzzSentence(buzz, { ...calm, forced: false }), /^The hand shakes.*no force of the device is on/);
   assert.equal(buzzSentence({ ...buzz, buzzes: false }, calm), "");
   assert.equal(buzzSentence(null, calm), "");
 });

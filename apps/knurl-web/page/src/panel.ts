@@ -3,7 +3,7 @@ import type { Connection } from "./connection.ts";
 import { faultOf } from "./faults.ts";
 import type { Device, Model } from "./model.ts";
 import { num } from "./protocol.ts";
-import { type Situation, buzzAt, buzzSentence, energyInto, energySentence } from "./spectrum.ts";
+import { type Situation, buzzAt, buzzSentence, energyInto, energySentence, span } from "./spectrum.ts";
 import { byId, el, say, setText, si } from "./ui.ts";
 
 const giving = ["spring", "constant_force", "taylor", "taylor6", "gravity", "magnet", "constraint", "vibration"];
@@ -83,7 +83,8 @@ export class Panel {
     setText(byId("role"), hello ? { observe: "looks on", render: "may add", control: "controls" }[hello.role] : "");
     byId("role").title = "what this page may do: observe, render or control";
     byId("record-box").hidden = !hello?.recordings;
-    byId("control-why").hidden = control || !hello;
+    byId("control-why").hidden = this.model.can("control") || !hello;
+    this.clients();
   }
 
   private servo(): void {
@@ -144,12 +145,13 @@ export class Panel {
     this.faultsShown = shown;
     const box = byId("faults");
     box.hidden = names.length === 0;
+    byId("reset").classList.toggle("primary", names.length > 0);
+    byId("arm").classList.toggle("primary", names.length === 0);
     box.replaceChildren(
       ...names.map((name) => {
         const fault = faultOf(name);
         return el("div.fault", { "data-fault": fault.name }, el("strong", {}, `Fault: ${fault.name}`), el("p", {}, fault.cause), el("p.remedy", {}, fault.remedy));
       }),
-      ...(names.length && this.model.can("control") && !this.model.recording ? [el("button", { type: "button", click: () => void this.ask("reset") }, "Reset")] : []),
     );
     if (names.length && shown !== before) say("error", `${device?.info.name}: fault ${names.join(", ").replaceAll("_", " ")}: ${faultOf(names[0]).cause}`);
   }
@@ -165,9 +167,22 @@ export class Panel {
       kMax: device.kMax(),
       stiffest: Math.max(0, ...touched.map((item) => { const k = num(item.params.stiffness); return Number.isFinite(k) ? k / (device.claims.get(item.claim)?.frame.scale || 1) : 0; })),
       late: Math.max(0, list[list.length - 1].count - list[0].count),
+      forced: this.forced(device),
       vibrations: [...device.items.values()].filter((item) => item.kind === "vibration" && num(item.params.amplitude) > 0).map((item) => num(item.params.frequency, 100)),
       textured: touched.some((item) => num(item.params["texture.amplitude"]) > 0 || num(item.params["snag.k_stick"]) > 0),
     };
+  }
+
+  /** Whether a force was on in the last second or so. */
+  private forced(device: Device): boolean {
+    const { fx, fy, fz } = device.history.columns;
+    const until = this.model.now();
+    for (let k = device.history.find(until - span); k < device.history.held; k += 16) {
+      const place = device.history.place(k);
+      if (device.history.t[place] > until) break;
+      if (Math.hypot(fx[place], fy[place], fz[place]) > 0.02) return true;
+    }
+    return false;
   }
 
   private indicators(device: Device | undefined): void {
@@ -179,7 +194,7 @@ export class Panel {
     byId("buzz").classList.toggle("bad", !!buzz?.buzzes);
     setText(byId("energy"), held ? `${energy * 1e3 > 0 ? "+" : ""}${(energy * 1e3).toFixed(1)} mJ` : "–");
     const active = device ? [...new Set([...device.items.values()].filter((item) => giving.includes(item.kind)).map((item) => item.kind.replaceAll("_", " ")))] : [];
-    const says = device ? [buzzSentence(buzz, this.situation(device)), energySentence(energy, active)].filter(Boolean) : [];
+    const says = device && held ? [buzzSentence(buzz, this.situation(device)), energySentence(energy, active)].filter(Boolean) : [];
     setText(byId("advice"), says.join(" "));
     byId("advice").hidden = says.length === 0;
     byId("advice-over").hidden = !buzz?.buzzes;

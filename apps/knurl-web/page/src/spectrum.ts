@@ -146,6 +146,7 @@ export interface Situation {
   kMax: number; // N/m; infinite: not known
   stiffest: number; // N/m of what is touched, as asked for
   late: number; // late cycles in the last seconds
+  forced: boolean; // a force was on
   vibrations: number[]; // Hz, of those that are rendered on purpose
   textured: boolean;
 }
@@ -155,6 +156,7 @@ export function buzzSentence(buzz: Buzz | null, s: Situation): string {
   if (!buzz || !buzz.buzzes) return "";
   const head = `${(buzz.amplitude * 1e3).toFixed(2)} mm at ${buzz.frequency.toFixed(0)} Hz`;
   const meant = s.vibrations.find((f) => Math.abs(f - buzz.frequency) < Math.max(3, 0.05 * f));
+  if (!s.forced) return `The hand shakes: ${head}, and no force of the device is on: a table that shakes, or a noisy encoder, usually causes this.`;
   if (meant !== undefined) return `The hand vibrates: ${head}, as a vibration of ${meant} Hz asks for.`;
   const bound = Number.isFinite(s.kMax) ? ` (${Math.round(s.kMax)} N/m)` : "";
   if (s.stiffest > s.kMax)

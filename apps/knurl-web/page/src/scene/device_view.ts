@@ -189,7 +189,7 @@ export class DeviceView {
       const claim = this.device.claims.get(item.claim);
       if (!claim) continue; // it comes with its claim
       const surface = !["spring", "constant_force", "taylor", "taylor6", "viscosity", "gravity", "magnet", "constraint", "vibration"].includes(item.kind);
-      const paint = new Paint(0xffffff, surface ? 0.45 : 0.5);
+      const paint = new Paint(0xffffff, surface ? 0.45 : 0.5, 2 * ((item.slot * 0.618) % 1) - 1);
       if (["plane", "half_plane"].includes(item.kind)) paint.face.userData.opacity = 0.16;
       const drawing = draw(item.kind, paint);
       drawing.root.name = `item:${item.claim}:${item.slot}`;
@@ -200,11 +200,12 @@ export class DeviceView {
   }
 
   /** `frame`: what is shown; of a recording, that at the cursor. */
-  update(frame: DeviceFrame | null, until: number, time: number, silent: (claim: Claim) => boolean): void {
+  update(frame: DeviceFrame | null, until: number, time: number, chosen: boolean, silent: (claim: Claim) => boolean): void {
     if (this.device.version !== this.seen) {
       this.reconcile();
       this.seen = this.device.version;
     }
+    (this.workspace.material as LineBasicMaterial).opacity = chosen ? 0.8 : 0.35;
     const colours = palette();
     const info = this.device.info;
     const around = new Map<number, Surroundings>();

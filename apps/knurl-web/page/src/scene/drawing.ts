@@ -44,7 +44,11 @@ export class Paint {
   readonly line: LineBasicMaterial;
   /** Of what only says how far something reaches. */
   readonly thin: LineBasicMaterial;
-  constructor(colour: number, opacity: number) {
+  constructor(
+    colour: number,
+    opacity: number,
+    private readonly shift = 0,
+  ) {
     this.face = new MeshLambertMaterial({ color: colour, transparent: true, opacity, side: DoubleSide, forceSinglePass: true, depthWrite: opacity > 0.8 });
     this.line = new LineBasicMaterial({ color: colour, transparent: true, opacity: Math.min(1, opacity + 0.35) });
     this.thin = new LineBasicMaterial({ color: colour, transparent: true, opacity: 0.3 });
@@ -54,7 +58,8 @@ export class Paint {
   }
   set(colour: number, share: number): void {
     for (const material of [this.face, this.line, this.thin]) {
-      material.color.setHex(colour);
+      // Things of one claim differ a little, so that they can be told apart where they overlap.
+      material.color.setHex(colour).offsetHSL(this.shift * 0.05, 0, this.shift * 0.1);
       material.opacity = (material.userData.opacity as number) * share;
     }
   }

@@ -172,7 +172,7 @@ export class View {
       const silent = new Map<number, boolean>();
       for (const client of device.status?.clients ?? []) silent.set(client.row, client.silent || client.shed);
       const isSilent = (claim: Claim) => silent.get(claim.row) ?? false;
-      view.update(this.frameOf(device), device === this.model.recording ? this.model.cursor : device.history.last, time, isSilent);
+      view.update(this.frameOf(device), device === this.model.recording ? this.model.cursor : device.history.last, time, device === this.model.current(), isSilent);
     }
     if (this.follow) this.centreOnHand();
     this.controls.update();
