@@ -131,6 +131,13 @@ TEST(Drawing, AMeshIsPosedByItsMarker) {
     expect_near(mesh.position, {0.5, 0, 0});
     expect_near(mesh.points[2], {0, 0.2, 0});
     EXPECT_DOUBLE_EQ(mesh.orientation.z, 1);
+    const std::vector<std::uint32_t> some(3 * (triangles_of_marker + 1));
+    const Triangles two{vertices, some};
+    item.triangles = &two;
+    const std::vector<Marker> parts = drawn(Shape{.asset = 1}, item);
+    ASSERT_EQ(parts.size(), 2u);
+    EXPECT_EQ(parts[0].points.size(), 3 * triangles_of_marker);
+    EXPECT_EQ(parts[1].points.size(), 3u);
     const std::vector<std::uint32_t> many(3 * (most_triangles + 1));
     const Triangles large{vertices, many};
     item.triangles = &large;

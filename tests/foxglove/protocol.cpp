@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <knurl/gateway/foxglove.hpp>
+#include <knurl/messages/drawing.hpp>
 #include <knurl/messages/messages.hpp>
 #include <knurl/messages/schemas.hpp>
 #include <knurl/reps/all.hpp>
@@ -223,10 +224,10 @@ TEST_F(Foxglove, ASlowPeerGetsTheNewestNotAQueue) {
     tick(1);
     ASSERT_EQ(frames(slow, 1).size(), 2u);
     EXPECT_EQ(frames(slow, 1).back().ns, static_cast<std::uint64_t>(offset + 8 * 1'000'000));
-    // It missed changes of the scene, so it gets all of it.
-    const Json all = decoded_scene(frames(slow, 2).back());
-    ASSERT_EQ(all.size(), 7u);
-    EXPECT_EQ(all[0].at("action"), 3) << "deletes all first";
+    // Of the scene it gets in one message what has changed since.
+    ASSERT_EQ(frames(slow, 2).size(), 2u);
+    EXPECT_EQ(decoded_scene(frames(slow, 2).back()).size(), 5u);
+    EXPECT_EQ(frames(other, 2).size(), 6u);
     EXPECT_EQ(decoded_scene(frames(other, 2).back()).size(), 1u) << "the last sphere alone";
 }
 
@@ -304,6 +305,32 @@ TEST_F(Foxglove, ALargeMeshIsNotSentWithEachMove) {
         tick(1);
     }
     EXPECT_EQ(frames(socket, 1).size(), 2u);
+}
+
+TEST_F(Foxglove, NoMessageIsMoreThanAPeerMayLeaveUnread) {
+    FakeSocket socket;
+    SocketHandler& handler = open(socket);
+    auto mesh = std::make_shared<SeenAsset>();
+    mesh->vertices.resize(9);
+    mesh->triangles.resize(3 * messages::most_triangles);
+    for (unsigned i = 0; i < 2; ++i) put(devices[0], 3, i, Shape{.asset = 1});
+    devices[0].claims[3].assets[1] = mesh;
+    put(devices[0], 3, 2, Sphere{});
+    tick(1);
+    subscribe(handler, socket, 1, "/right/scene");
+    for (int i = 0; i < 20; ++i) {
+        // What changes all the time does not keep the rest from being drawn.
+        put(devices[0], 3, 0, Shape{.asset = 1, .position = {0.001 * i, 0, 0}});
+        tick(1);
+    }
+    std::size_t points = 0;
+    for (const Frame& frame : frames(socket, 1)) {
+        EXPECT_LE(frame.body.size(), std::size_t{2} << 20);
+        points += frame.body.size() / sizeof(Vec3);
+    }
+    EXPECT_GE(frames(socket, 1).size(), 16u) << "a part at a time";
+    EXPECT_GE(points, 2 * 3 * messages::most_triangles) << "both, whole";
+    EXPECT_LE(points, 4 * 3 * messages::most_triangles);
 }
 
 TEST_F(Foxglove, ParametersAreJsonAndSaidWhenTheyChange) {

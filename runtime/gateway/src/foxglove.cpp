@@ -61,9 +61,6 @@ struct Open {
     Stamped newest;
     // Of reports: all since the last tick.
     std::vector<Stamped> fresh;
-    // Of a scene: `newest` has the changes that led to `sequence`; `whole` is made when it is asked for.
-    FoxgloveScene scene;
-    std::optional<Stamped> whole;
     // Of parameters and diagnostics.
     std::uint64_t version = 0;
     std::optional<Time> made;
@@ -252,20 +249,18 @@ struct FoxgloveSource::Impl {
     }
     const FoxgloveLook& look() const { return now_; }
 
-    /// All of a scene, as a socket without it needs it.
-    const Stamped& whole(Open& open) {
-        if (!open.whole) {
-            const SeenDevice& device = now_.devices[open.device];
-            open.whole = {stamp(device), messages::markers_message(messages::base_frame(name(device)),
-                                                                   stamp(device), open.scene.all(device))};
-        }
-        return *open.whole;
+    /// The scene's changes for one subscription; none: nothing has changed.
+    std::optional<Stamped> changes(const Open& open, FoxgloveScene& scene) const {
+        const SeenDevice& device = now_.devices[open.device];
+        const std::vector<messages::Marker> markers = scene.changes(device, *ticked_);
+        if (markers.empty()) return std::nullopt;
+        return Stamped{stamp(device),
+                       messages::markers_message(messages::base_frame(name(device)), stamp(device), markers)};
     }
     void subscribe(std::uint32_t channel) { ++channels.at(channel).subscribers; }
     void unsubscribe(std::uint32_t channel) {
         const auto found = channels.find(channel);
         if (found == channels.end() || --found->second.subscribers > 0) return;
-        found->second.scene.forget();
         found->second.fresh.clear();
         found->second.made.reset();
         found->second.made_since = false;  // what it holds grows old
@@ -328,7 +323,7 @@ struct FoxgloveSource::Impl {
             step(open);
             return;
         }
-        if (open.channel == Channel::scene) return make_scene(open, device, now);
+        if (open.channel == Channel::scene) return;  // each subscription has changes of its own
         if (open.channel == Channel::parameters) return make_parameters(open, device, now);
         if (!device.newest || (open.made_since && device.newest->cycle == open.cycle)) return;
         const Report& report = *device.newest;
@@ -397,14 +392,6 @@ struct FoxgloveSource::Impl {
         open.newest = {stamp(device), bytes_of(parameters_of(device).dump())};
         step(open);
     }
-    void make_scene(Open& open, const SeenDevice& device, Time now) {
-        const std::vector<messages::Marker> changes = open.scene.changes(device, now);
-        open.whole.reset();
-        if (changes.empty() && open.made_since) return;
-        open.newest = {stamp(device),
-                       messages::markers_message(messages::base_frame(name(device)), stamp(device), changes)};
-        step(open);
-    }
 
     std::function<FoxgloveLook()> look_;
     std::function<std::int64_t()> realtime_offset_;
@@ -465,6 +452,7 @@ class FoxgloveSocket : public SocketHandler {
     struct Subscription {
         std::uint32_t channel = 0;
         std::uint64_t seen = 0;
+        FoxgloveScene scene;
     };
 
     void status(Level level, const std::string& text, const char* id = nullptr) {
@@ -551,7 +539,7 @@ class FoxgloveSocket : public SocketHandler {
             else if (subscriptions_.size() >= most_subscriptions)
                 wrong.push_back(fmt::format("{} subscriptions are the most", most_subscriptions));
             else {
-                subscriptions_[*id] = {.channel = *channel, .seen = 0};
+                subscriptions_[*id].channel = *channel;
                 source_.subscribe(*channel);
             }
         }
@@ -576,12 +564,14 @@ class FoxgloveSocket : public SocketHandler {
 
     void send(std::uint32_t id, Subscription& subscription) {
         Open& open = source_.channels.at(subscription.channel);
+        if (open.channel == Channel::scene) {
+            if (const auto changes = source_.changes(open, subscription.scene)) send(id, *changes);
+            return;
+        }
         if (!open.made_since || subscription.seen == open.sequence) return;
-        const std::uint64_t seen = std::exchange(subscription.seen, open.sequence);
+        subscription.seen = open.sequence;
         if (open.channel == Channel::report)
             for (const Stamped& one : open.fresh) send(id, one);
-        else if (open.channel == Channel::scene && (seen == 0 || seen + 1 != open.sequence))
-            send(id, source_.whole(open));
         else
             send(id, open.newest);
     }

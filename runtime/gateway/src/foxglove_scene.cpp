@@ -29,6 +29,11 @@ messages::Marker erased(std::uint64_t claim, std::int32_t id) {
     return marker;
 }
 
+/// About what it takes in a message.
+std::size_t bytes_of(const messages::Marker& marker) {
+    return 400 + marker.points.size() * sizeof(Vec3);
+}
+
 double distance(const Vec3& a, const Vec3& b) {
     return (to_eigen(a) - to_eigen(b)).norm();
 }
@@ -84,59 +89,74 @@ std::vector<messages::Marker> FoxgloveScene::markers_of(const SeenDevice& device
                           static_cast<std::int32_t>(item.id.slot * messages::most_parts));
 }
 
-std::vector<messages::Marker> FoxgloveScene::changes(const SeenDevice& device, Time now) {
-    std::vector<messages::Marker> out;
-    const Vec3 hand = hand_of(device);
-    const messages::Surroundings around{.hand = hand, .reach = device.info.workspace_radius};
-    std::set<Key> there;
-    for (const auto& [number, claim] : device.claims)
-        for (const auto& [slot, item] : claim.items) {
-            if (slot >= most_slots) continue;
-            const Key key{number, slot};
-            there.insert(key);
-            const Look look = look_of(claim, item);
-            const auto before = drawn_.find(key);
-            if (before != drawn_.end()) {
-                const Drawn& was = before->second;
-                const bool moved = distance(was.hand, hand) > messages::redraw_distance(item.kind, around);
-                if (was.look == look && !moved) continue;
-                if (was.points > large_points && now - was.at < large_every) continue;
-            }
-            Drawn next{.look = look, .hand = hand, .ids = {}, .points = 0, .at = now};
-            std::vector<messages::Marker> markers = markers_of(device, claim, item, look, hand);
-            for (const messages::Marker& marker : markers) {
-                next.ids.insert(marker.id);
-                next.points += marker.points.size();
-            }
-            // A part that it has no more, as an arrow of a force that has become 0.
-            if (before != drawn_.end())
-                for (const std::int32_t id : before->second.ids)
-                    if (!next.ids.contains(id)) out.push_back(erased(number, id));
-            std::move(markers.begin(), markers.end(), std::back_inserter(out));
-            drawn_[key] = std::move(next);
-        }
-    for (auto one = drawn_.begin(); one != drawn_.end();) {
-        if (there.contains(one->first)) {
-            ++one;
-            continue;
-        }
-        for (const std::int32_t id : one->second.ids) out.push_back(erased(one->first.first, id));
-        one = drawn_.erase(one);
-    }
-    return out;
+void FoxgloveScene::wait(messages::Marker marker) {
+    waiting_bytes_ += bytes_of(marker);
+    waiting_.push_back(std::move(marker));
 }
 
-std::vector<messages::Marker> FoxgloveScene::all(const SeenDevice& device) const {
-    std::vector<messages::Marker> out(1);
-    out.front().action = messages::Marker::erase_all;
-    for (const auto& [number, claim] : device.claims)
-        for (const auto& [slot, item] : claim.items) {
-            const auto drawn = drawn_.find({number, slot});
-            if (drawn == drawn_.end()) continue;
-            std::vector<messages::Marker> markers =
-                markers_of(device, claim, item, drawn->second.look, drawn->second.hand);
-            std::move(markers.begin(), markers.end(), std::back_inserter(out));
+void FoxgloveScene::draw(const SeenDevice& device, const SeenClaim& claim, const SeenItem& item, Time now) {
+    const Vec3 hand = hand_of(device);
+    const Look look = look_of(claim, item);
+    const auto before = drawn_.find({claim.number, item.id.slot});
+    if (before != drawn_.end()) {
+        const Drawn& was = before->second;
+        const bool moved =
+            distance(was.hand, hand) >
+            messages::redraw_distance(item.kind, {.hand = hand, .reach = device.info.workspace_radius});
+        if (was.look == look && !moved) return;
+        if (was.points > large_points && now - was.at < large_every) return;
+    }
+    Drawn next{.look = look, .hand = hand, .ids = {}, .points = 0, .at = now};
+    std::vector<messages::Marker> markers = markers_of(device, claim, item, look, hand);
+    for (messages::Marker& marker : markers) {
+        next.ids.insert(marker.id);
+        next.points += marker.points.size();
+        wait(std::move(marker));
+    }
+    // A part that it has no more, as an arrow of a force that has become 0.
+    if (before != drawn_.end())
+        for (const std::int32_t id : before->second.ids)
+            if (!next.ids.contains(id)) wait(erased(claim.number, id));
+    drawn_[{claim.number, item.id.slot}] = std::move(next);
+}
+
+std::vector<messages::Marker> FoxgloveScene::changes(const SeenDevice& device, Time now) {
+    if (!begun_) {
+        begun_ = true;
+        messages::Marker all;
+        all.action = messages::Marker::erase_all;
+        wait(std::move(all));
+    }
+    // Nothing is drawn before what was drawn has been sent, so no more than this waits.
+    if (waiting_bytes_ < most_bytes) {
+        std::map<Key, std::pair<const SeenClaim*, const SeenItem*>> there;
+        for (const auto& [number, claim] : device.claims)
+            for (const auto& [slot, item] : claim.items)
+                if (slot < most_slots && slot == item.id.slot) there[{number, slot}] = {&claim, &item};
+        for (auto one = drawn_.begin(); one != drawn_.end();) {
+            if (there.contains(one->first)) {
+                ++one;
+                continue;
+            }
+            for (const std::int32_t id : one->second.ids) wait(erased(one->first.first, id));
+            one = drawn_.erase(one);
         }
+        // On from where the last call ended: what changes all the time does not keep the rest from being drawn.
+        auto next = there.upper_bound(last_);
+        for (std::size_t n = there.size(); n > 0 && waiting_bytes_ < most_bytes; --n, ++next) {
+            if (next == there.end()) next = there.begin();
+            last_ = next->first;
+            draw(device, *next->second.first, *next->second.second, now);
+        }
+    }
+    std::vector<messages::Marker> out;
+    for (std::size_t bytes = 0; !waiting_.empty(); waiting_.pop_front()) {
+        const std::size_t more = bytes_of(waiting_.front());
+        if (!out.empty() && bytes + more > most_bytes) break;
+        bytes += more;
+        waiting_bytes_ -= more;
+        out.push_back(std::move(waiting_.front()));
+    }
     return out;
 }
 

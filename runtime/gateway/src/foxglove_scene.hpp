@@ -1,8 +1,11 @@
 #pragma once
-// A device's scenes as markers that change: what has changed since the last tick, or all of it.
+// A device's scenes as markers, for one subscription: what has changed since it was sent something the last time. So a slow
+// peer gets what there is then, and none of what was in between.
 
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <memory>
 #include <set>
@@ -19,13 +22,11 @@ class FoxgloveScene {
   public:
     using Time = std::chrono::steady_clock::time_point;
 
-    /// What is to be drawn anew or deleted since the last call; empty: nothing.
+    /// Markers to draw and delete that the subscriber has not; none: nothing has changed. At most about most_bytes:
+    /// the rest comes with the next calls.
     std::vector<messages::Marker> changes(const SeenDevice& device, Time now);
-    /// Deletes all, and draws what was drawn at the last call of changes().
-    std::vector<messages::Marker> all(const SeenDevice& device) const;
-    /// Nobody looks any more.
-    void forget() { drawn_.clear(); }
-    bool forgotten() const { return drawn_.empty(); }
+
+    static constexpr std::size_t most_bytes = 1 << 20;
 
   private:
     using Key = std::pair<std::uint64_t, std::uint32_t>;  // claim, slot
@@ -54,7 +55,14 @@ class FoxgloveScene {
     static Look look_of(const SeenClaim& claim, const SeenItem& item);
     static std::vector<messages::Marker> markers_of(const SeenDevice& device, const SeenClaim& claim,
                                                     const SeenItem& item, const Look& look, const Vec3& hand);
+    void draw(const SeenDevice& device, const SeenClaim& claim, const SeenItem& item, Time now);
+    void wait(messages::Marker marker);
+
     std::map<Key, Drawn> drawn_;
+    std::deque<messages::Marker> waiting_;
+    std::size_t waiting_bytes_ = 0;
+    Key last_{};  // that was looked at: the next call goes on behind it
+    bool begun_ = false;
 };
 
 }  // namespace knurl::gateway

@@ -250,14 +250,18 @@ void draw(const Shape& shape, Pen& pen) {
         pen.paler(0.4F);
         return;
     }
-    Marker& marker = pen.add(Marker::triangle_list, at, turn);
-    marker.points.reserve(triangles->corners.size());
-    for (std::size_t i = 0; i + 2 < triangles->corners.size(); i += 3) {
-        const auto corners = triangles->corners.subspan(i, 3);
-        if (std::any_of(corners.begin(), corners.end(), [&](std::uint32_t c) { return c >= vertices; }))
-            continue;
-        for (const std::uint32_t corner : corners)
-            marker.points.push_back(to_plain(Vector(vertex(corner) / pen.item().frame.scale)));
+    for (std::size_t first = 0; first < triangles->corners.size(); first += 3 * triangles_of_marker) {
+        Marker& marker = pen.add(Marker::triangle_list, at, turn);
+        const auto part = triangles->corners.subspan(
+            first, std::min(3 * triangles_of_marker, triangles->corners.size() - first));
+        marker.points.reserve(part.size());
+        for (std::size_t i = 0; i + 2 < part.size(); i += 3) {
+            const auto corners = part.subspan(i, 3);
+            if (std::any_of(corners.begin(), corners.end(), [&](std::uint32_t c) { return c >= vertices; }))
+                continue;
+            for (const std::uint32_t corner : corners)
+                marker.points.push_back(to_plain(Vector(vertex(corner) / pen.item().frame.scale)));
+        }
     }
 }
 

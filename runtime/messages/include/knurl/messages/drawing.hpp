@@ -40,8 +40,10 @@ struct Surroundings {
 
 /// Most markers of a representation. A representation's markers are numbered slot x most_parts + part.
 inline constexpr std::uint32_t most_parts = 8;
-/// A mesh with more triangles is drawn as the box around it: 72 bytes each, and all of them in each change.
-inline constexpr std::size_t most_triangles = 100'000;
+/// Triangles of a marker: 0.9 MB, so that none is more than a peer may leave unread.
+inline constexpr std::size_t triangles_of_marker = 12'000;
+/// A mesh with more triangles is drawn as the box around it.
+inline constexpr std::size_t most_triangles = most_parts * triangles_of_marker;
 
 /// By how far the hand moves until the representation is to be drawn anew (m); infinity: it stands where it is.
 double redraw_distance(Kind kind, const Surroundings& around);
