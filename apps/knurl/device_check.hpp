@@ -7,6 +7,7 @@
 
 #include <knurl/drivers/arm_file.hpp>
 #include <knurl/drivers/delta.hpp>
+#include <knurl/view/arm.hpp>
 
 namespace knurl::cli {
 
@@ -26,7 +27,7 @@ struct CheckedArm {
 CheckedArm checked_arm(const std::string& name_or_path);
 
 /// The arm in a posture as lines to draw, m, device frame.
-using Lines = std::vector<std::vector<Eigen::Vector3d>>;
+using view::Lines;
 Lines skeleton(const CheckedArm& arm, const drivers::JointArray& joints);
 
 /// One step along a straight line from the centre.

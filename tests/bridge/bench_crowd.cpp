@@ -15,12 +15,12 @@
 #include <sys/socket.h>
 
 #include <knurl/bridge/endpoint.hpp>
+#include <knurl/bridge/keys.hpp>
 #include <knurl/measure/measure.hpp>
 #include <knurl/measure/output_file.hpp>
 #include <knurl/shm/fd.hpp>
 
 #include "../client/servo_process.hpp"
-#include "keys.hpp"
 
 namespace {
 

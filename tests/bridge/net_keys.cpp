@@ -5,8 +5,9 @@
 #include <gmock/gmock.h>
 #include <sys/stat.h>
 
+#include <knurl/bridge/keys.hpp>
+
 #include "../temp_folder.hpp"
-#include "keys.hpp"
 #include "net_pair.hpp"
 
 namespace knurl::bridge::test {

@@ -7,10 +7,11 @@
 
 #include <gtest/gtest.h>
 
+#include <knurl/bridge/keys.hpp>
+
 #include "../client/refusal.hpp"
 #include "../client/servo_process.hpp"
 #include "../temp_folder.hpp"
-#include "keys.hpp"
 
 namespace knurl::bridge::test {
 

@@ -91,6 +91,17 @@ TEST_F(LiveHandTest, AKeyMovesItWhileItIsHeldAndNoFurtherThanTheWorkspace) {
     EXPECT_TRUE(eventually([&] { return sample_.position[0] < 0.05; }));
 }
 
+TEST_F(LiveHandTest, AProgramSaysThePlaceAndTheMouseMovesItOnFromThere) {
+    mouse_.send(EV_ABS, ABS_X, 3000);  // 10 um a unit
+    mouse_.send(EV_ABS, ABS_Y, -1000);
+    mouse_.send(EV_ABS, ABS_Z, 2000);
+    EXPECT_TRUE(eventually([&] { return near(0.03, -0.01, 0.02); })) << sample_.position[0];
+    mouse_.send(EV_REL, REL_X, 50);
+    EXPECT_TRUE(eventually([&] { return near(0.04, -0.01, 0.02); })) << sample_.position[0];
+    mouse_.send(EV_ABS, ABS_X, 3000);
+    EXPECT_TRUE(eventually([&] { return near(0.03, -0.01, 0.02); })) << "the same place once more";
+}
+
 TEST_F(LiveHandTest, ButtonsAreTheReports) {
     mouse_.send(EV_KEY, BTN_RIGHT, 1);
     EXPECT_TRUE(eventually([&] { return sample_.buttons == 2; }));

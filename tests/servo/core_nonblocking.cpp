@@ -1,7 +1,7 @@
 // Servo::step makes no allocation, lock, page fault or system call (a puppet device makes none of its own,
 // and the clock is read in user space). Three traps, each over a run with every event: claims come and go,
 // groups of commands, good and bad batches, silence, a stall, a fault, an unplugged device, and a recording
-// for most of the time.
+// and a watcher for most of the time.
 //
 // This program replaces malloc and the mutexes, so it stands alone. A sanitizer replaces them too: then only
 // the run itself remains.
@@ -24,6 +24,7 @@
 
 #include <knurl/reps/all.hpp>
 #include <knurl/servo/input_log.hpp>
+#include <knurl/servo/scene_log.hpp>
 #include <knurl/shm/counters.hpp>
 
 #include "../rights.hpp"
@@ -196,6 +197,8 @@ struct Everything {
     MonotonicClock clock;
     OfflineMemory segment{protocol::device_layout().total}, input_log_memory{input_log_bytes};
     InputLog input_log{input_log_memory.data(), {}};
+    OfflineMemory scene_log_memory{scene_log_bytes};
+    RecordLog scene_log{scene_log_memory.data(), scene_log_slots};
     Servo servo{device, clock, segment.data(), live_options()};
     RawClient first{limits_for(device.link(), 1000, {})};
     RawClient second{limits_for(device.link(), 1000, {})};
@@ -229,6 +232,8 @@ struct Everything {
         }
         if (i == 1) servo.record(&input_log);
         if (i == 11'500) servo.record(nullptr);
+        if (i % 4000 == 2) servo.show_scenes(&scene_log);
+        if (i % 4000 == 3500) servo.show_scenes(nullptr);
         if (i % 3000 == 1000) servo.adopt(&second.claim);
         if (i % 3000 == 1010) second.state(protocol::CommandType::arm);
         if (i % 3000 == 1500) servo.drop(&second.claim);
@@ -260,6 +265,7 @@ struct Everything {
         EXPECT_GE(count(Count::bad_samples), 1u);
         EXPECT_GE(count(Count::kinematics_failures), 1u);
         EXPECT_GT(InputLog::written(input_log_memory.data()), 12'000u);
+        EXPECT_GT(RecordLog::written(scene_log_memory.data(), scene_log_slots), 1000u);
     }
 };
 

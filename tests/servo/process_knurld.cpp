@@ -189,6 +189,9 @@ Answer RawClient::answer() {
         case protocol::MessageType::recording:
             take(answer.recording);
             break;
+        case protocol::MessageType::watching:
+            take(answer.watching);
+            break;
         default:
             throw std::runtime_error("an answer that is none");
     }

@@ -89,6 +89,7 @@ struct Answer {
     std::optional<protocol::Claimed> claimed;
     std::optional<protocol::Serving> serving;
     std::optional<protocol::Recording> recording;
+    std::optional<protocol::Watching> watching;
     std::vector<shm::UniqueFd> fds;
     shm::Segment memory;  // of a claim that is served
     bool hung_up = false;

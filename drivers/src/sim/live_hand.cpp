@@ -18,6 +18,7 @@ namespace knurl::drivers {
 namespace {
 
 constexpr std::array<double, 3> metres_per_count = {0.2e-3, 0.2e-3, 2e-3};  // mouse, mouse, wheel
+constexpr double metres_per_place = 10e-6;                                  // of absolute axes
 constexpr double key_speed = 0.05;                                          // m/s
 constexpr double follow_time = 0.03;  // s: a mouse moves in steps, a hand does not
 
@@ -119,6 +120,12 @@ void LiveHand::take(const input_event& event) noexcept {
         if (event.code == REL_Y) add(counts_[1], -std::int64_t{event.value});  // away from the user is up
         if (event.code == REL_WHEEL) add(counts_[2], std::int64_t{event.value});
     }
+    if (event.type == EV_ABS && event.code <= ABS_Z) {
+        // The place and its number in one word, so that the cycle takes the one with the other.
+        const std::uint64_t before = places_[event.code].load(std::memory_order_relaxed);
+        const auto place = static_cast<std::uint32_t>(event.value);
+        places_[event.code].store(((before >> 32) + 1) << 32 | place, std::memory_order_relaxed);
+    }
     if (event.type != EV_KEY || event.value == 2) return;  // 2: repetition
     for (std::size_t key = 0; key < moving_keys.size(); ++key)
         if (event.code == moving_keys[key]) put(held_, key, event.value != 0);
@@ -135,6 +142,10 @@ MotionSample LiveHand::wanted(double h) noexcept {
         target_[static_cast<int>(axis)] +=
             static_cast<double>(counts - taken_[axis]) * metres_per_count[axis] + way * key_speed * h;
         taken_[axis] = counts;
+        const std::uint64_t place = places_[axis].load(std::memory_order_relaxed);
+        if (place == placed_[axis]) continue;
+        placed_[axis] = place;
+        target_[static_cast<int>(axis)] = static_cast<std::int32_t>(place & 0xffffffff) * metres_per_place;
     }
     const double length = target_.norm();
     if (length > reach_) target_ *= reach_ / length;

@@ -125,6 +125,30 @@ std::size_t HeightField::bytes() const noexcept {
     return besides + data_->block.size();
 }
 
+DrawnTriangles HeightField::drawn() const {
+    const HeightData& d = *data_;
+    const std::uint32_t across = d.columns + 1;
+    DrawnTriangles drawn;
+    drawn.vertices.reserve(3 * d.heights.size());
+    drawn.triangles.reserve(3 * faces());
+    for (std::uint32_t j = 0; j <= d.rows; ++j) {
+        for (std::uint32_t i = 0; i <= d.columns; ++i) {
+            const double height = d.heights[std::size_t{j} * across + i];
+            for (const double value : {d.origin.x() + d.low_x + i * d.dx, d.origin.y() + d.low_y + j * d.dy,
+                                       d.origin.z() + height})
+                drawn.vertices.push_back(static_cast<float>(value));
+        }
+    }
+    for (std::uint32_t j = 0; j < d.rows; ++j) {
+        for (std::uint32_t i = 0; i < d.columns; ++i) {
+            const std::uint32_t corner = j * across + i;
+            drawn.triangles.insert(drawn.triangles.end(), {corner, corner + 1, corner + across + 1, corner,
+                                                           corner + across + 1, corner + across});
+        }
+    }
+    return drawn;
+}
+
 std::size_t HeightField::faces() const noexcept {
     return std::size_t{data_->columns} * data_->rows * 2;
 }

@@ -235,6 +235,22 @@ std::size_t Mesh::bytes() const noexcept {
            data_->nodes.size_bytes();
 }
 
+DrawnTriangles Mesh::drawn() const {
+    DrawnTriangles drawn;
+    drawn.vertices.reserve(9 * faces());
+    drawn.triangles.reserve(3 * faces());
+    const auto add = [&](const auto& face) {
+        for (const auto& corner : face.corner) {
+            drawn.triangles.push_back(static_cast<std::uint32_t>(drawn.vertices.size() / 3));
+            for (int i = 0; i < 3; ++i)
+                drawn.vertices.push_back(static_cast<float>(data_->origin[i] + double{corner[i]}));
+        }
+    };
+    for (const Face& face : data_->faces) add(face);
+    for (const ExactFace& face : data_->exact_faces) add(face);
+    return drawn;
+}
+
 std::size_t Mesh::faces() const noexcept {
     return data_->exact ? data_->exact_faces.size() : data_->faces.size();
 }

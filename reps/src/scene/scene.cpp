@@ -99,6 +99,18 @@ void Scene::pass(std::uint64_t cycles, const SceneTime& time, const Probe& hand)
 Eigen::Vector3d Scene::contact_point() const noexcept {
     return impl_->feedback().contact_point(0);
 }
+Scene::Shown Scene::shown(std::uint32_t slot) const noexcept {
+    const detail::SceneModel& model = std::as_const(*impl_).model();
+    if (slot >= model.slots() || !model[slot].present) return {};
+    const detail::SceneModel::ModelSlot& held = model[slot];
+    return {.id = {.slot = slot, .generation = held.generation},
+            .kind = held.kind,
+            .options = held.options,
+            .params = {model.params(slot), kinds()[held.kind].size}};
+}
+ProbePlacement Scene::placement(std::uint32_t probe) const noexcept {
+    return std::as_const(*impl_).model().placement(probe);
+}
 std::uint32_t Scene::size() const noexcept {
     return impl_->model().size();
 }

@@ -42,9 +42,13 @@ class SceneModel {
     std::uint32_t probes_used() const noexcept {
         return probes_used_;
     }  // bit mask: the first probe, and all that were placed or used
+    std::uint32_t slots() const noexcept { return static_cast<std::uint32_t>(slots_.size()); }
     std::uint32_t size() const noexcept { return size_; }
     std::uint32_t count(Kind kind) const noexcept { return counts_[kind]; }
     const ModelSlot& operator[](std::uint32_t slot) const noexcept { return slots_[slot]; }
+    const ProbePlacement& placement(std::uint32_t probe) const noexcept {
+        return placements_[probe].placement;
+    }
     const std::byte* params(std::uint32_t slot) const noexcept { return &raw_[slot * max_parameter_bytes]; }
 
     bool changed() const noexcept { return !changed_.empty() || placements_changed_; }

@@ -8,6 +8,7 @@
 #include <netinet/in.h>
 #include <poll.h>
 
+#include <knurl/bridge/keys.hpp>
 #include <knurl/link/clock.hpp>
 #include <knurl/link/text.hpp>
 #include <knurl/protocol/name.hpp>
@@ -16,7 +17,6 @@
 
 #include "connection.hpp"
 #include "datagram_socket.hpp"
-#include "keys.hpp"
 
 namespace knurl::bridge {
 

@@ -1,5 +1,3 @@
-#include "keys.hpp"
-
 #include <algorithm>
 #include <cerrno>
 #include <sstream>
@@ -10,6 +8,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <knurl/bridge/keys.hpp>
 #include <knurl/shm/fd.hpp>
 
 #include "system_text.hpp"

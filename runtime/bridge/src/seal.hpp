@@ -8,7 +8,7 @@
 #include <memory>
 #include <span>
 
-#include "keys.hpp"
+#include <knurl/bridge/keys.hpp>
 
 namespace knurl::bridge {
 

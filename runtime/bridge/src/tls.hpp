@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-#include "keys.hpp"
+#include <knurl/bridge/keys.hpp>
 
 namespace knurl::bridge {
 

@@ -599,6 +599,14 @@ class FoxgloveSocket : public SocketHandler {
 
 }  // namespace
 
+FoxgloveLook foxglove_look(const LiveView& view) {
+    return {.connected = view.connected(),
+            .epoch = view.epoch(),
+            .name = view.name(),
+            .trouble = view.trouble(),
+            .devices = view.devices()};
+}
+
 FoxgloveSource::FoxgloveSource(std::function<FoxgloveLook()> look,
                                std::function<std::int64_t()> realtime_offset)
     : impl_(std::make_unique<Impl>(std::move(look), std::move(realtime_offset))) {}

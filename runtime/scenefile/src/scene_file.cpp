@@ -246,6 +246,35 @@ SceneFile parse_scene(std::string_view text, const std::string& path) {
     return scene;
 }
 
+Stated read_stated(Kind kind, std::string_view keys, std::span<const std::byte> before) {
+    const std::string nowhere = "-";
+    try {
+        const toml::table table = parse_toml(keys, nowhere);
+        for (const char* of_files : {"at", "remove"})
+            if (const auto* node = table.get(of_files))
+                fail(nowhere, node->source().begin,
+                     fmt::format("'{}' is a key of scene files alone", of_files));
+        const Entry entry = read_entry(nowhere, kind, table);
+        Stated stated;
+        if (table.contains("id")) stated.id = entry.id;
+        if (entry.probe || entry.on_silence || entry.silence_time) stated.options = options_of(entry);
+        stated.params = default_params(kind, Representations{});
+        if (!before.empty()) {
+            stated.params.assign(before.begin(), before.end());
+            reset_what_describes_a_change(kind, stated.params);
+        }
+        apply(nowhere, entry, stated.params);
+        return stated;
+    } catch (const SceneError& error) {
+        // "-:line:column: what": the place is one in our own text.
+        std::string_view what = error.what();
+        for (int colons = 0; colons < 3; ++colons)
+            what.remove_prefix(std::min(what.find(':') + 1, what.size()));
+        while (what.starts_with(' ')) what.remove_prefix(1);
+        throw SceneError(std::string(what));
+    }
+}
+
 SceneFile read_scene(const std::string& path) {
     std::ifstream file(path, std::ios::binary);
     std::stringstream text;

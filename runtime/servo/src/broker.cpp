@@ -59,7 +59,8 @@ void Broker::Impl::accept_one() {
                           .offering = false,
                           .peer = {},
                           .holdings = {},
-                          .recording = {}};
+                          .recording = {},
+                          .watching = {}};
     const std::uint64_t id = next_id++;
     try {
         const auto credentials = shm::credentials_of(connection.socket);
@@ -105,6 +106,7 @@ void Broker::Impl::close(std::uint64_t id) {
     for (Connection::Holding& holding : found->second.holdings) take_back(id, holding);
     const bool built_for = assets.cancel(id, tables);
     if (const auto device = found->second.recording) recordings[*device].end(tables[*device]->device());
+    if (const auto device = found->second.watching) scenes[*device].end(tables[*device]->device());
     if (!found->second.greeted) --half_open;
     options.deaths.forget(id, found->second.socket.get());
     // Others hold the socket until the closer has closed it, so it leaves the epoll set now.

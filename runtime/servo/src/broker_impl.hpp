@@ -17,6 +17,7 @@
 #include "asset_service.hpp"
 #include "attach_messages.hpp"
 #include "recording_service.hpp"
+#include "scene_service.hpp"
 
 namespace knurl::servo {
 
@@ -44,6 +45,7 @@ struct Connection {
     Peer peer;
     std::vector<Holding> holdings;
     std::optional<std::size_t> recording;  // device
+    std::optional<std::size_t> watching;   // device
 };
 
 struct Broker::Impl {
@@ -67,6 +69,7 @@ struct Broker::Impl {
     shm::UniqueFd epoll{epoll_create1(EPOLL_CLOEXEC)};
     std::vector<std::unique_ptr<ClaimTable>> tables;
     std::array<RecordingService, protocol::max_devices> recordings;
+    std::array<SceneService, protocol::max_devices> scenes;
     std::unordered_map<std::uint64_t, Connection> connections;
     std::uint64_t next_id = first_connection;
     std::size_t half_open = 0;
@@ -113,6 +116,8 @@ struct Broker::Impl {
     void take_back(std::uint64_t id, Connection::Holding& holding);
     void take_back_unmapped();
     bool record(Connection& connection, const protocol::RecordRequest& request);
+    bool watch_scenes(Connection& connection, const protocol::WatchRequest& request);
+    bool show_asset(const Connection& connection, const protocol::ShowAsset& request);
     /// The message with the descriptor stays in the socket until the builder takes it: nobody here may take it.
     void offer(std::uint64_t id, Connection& connection, const protocol::AssetOffer& message);
     void set_offering(Connection& connection, std::uint64_t id, bool offering);

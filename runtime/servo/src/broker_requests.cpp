@@ -93,6 +93,10 @@ bool Broker::Impl::handle(std::uint64_t id, Connection& connection, const Buffer
             return true;
         case static_cast<std::uint32_t>(MessageType::record):
             return record(connection, read_message<protocol::RecordRequest>(buffer, bytes, "record"));
+        case static_cast<std::uint32_t>(MessageType::watch):
+            return watch_scenes(connection, read_message<protocol::WatchRequest>(buffer, bytes, "watch"));
+        case static_cast<std::uint32_t>(MessageType::show_asset):
+            return show_asset(connection, read_message<protocol::ShowAsset>(buffer, bytes, "asset"));
         case static_cast<std::uint32_t>(MessageType::asset_forget):
             assets.forget(read_message<protocol::AssetForget>(buffer, bytes, "asset"), tables);
             return true;
@@ -285,6 +289,37 @@ bool Broker::Impl::record(Connection& connection, const protocol::RecordRequest&
         connection.recording = request.device;
         const std::array fds{service.fd()};
         return shm::send_message(connection.socket, bytes_of(recording), fds);
+    } catch (const RequestRefused& refusal) {
+        return refuse(connection, refusal);
+    }
+}
+
+bool Broker::Impl::watch_scenes(Connection& connection, const protocol::WatchRequest& request) {
+    try {
+        if (request.device >= tables.size())
+            throw RequestRefused(fmt::format("watch: device {} of {}", request.device, tables.size()));
+        if (connection.watching && *connection.watching != request.device)
+            throw RequestRefused("watch: one connection watches one device; connect once more");
+        SceneService& service = scenes[request.device];
+        const protocol::Watching watching =
+            service.begin(tables[request.device]->device(), !connection.watching);
+        connection.watching = request.device;
+        const std::array fds{service.fd()};
+        return shm::send_message(connection.socket, bytes_of(watching), fds);
+    } catch (const RequestRefused& refusal) {
+        return refuse(connection, refusal);
+    }
+}
+
+bool Broker::Impl::show_asset(const Connection& connection, const protocol::ShowAsset& request) {
+    try {
+        if (connection.watching != request.device)
+            throw RequestRefused("asset: this connection does not watch that device; send WatchRequest first");
+        const shm::Segment& memory = tables[request.device]->asset_memory(request.row, request.number);
+        protocol::ShownAsset shown;
+        shown.bytes = memory.size();
+        const std::array fds{memory.fd()};
+        return shm::send_message(connection.socket, bytes_of(shown), fds);
     } catch (const RequestRefused& refusal) {
         return refuse(connection, refusal);
     }

@@ -48,6 +48,7 @@ void BuildQueue::next() {
         if (::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends.data()) != 0) {
             failed_.push_back({.ticket = job.ticket,
                                .asset = {},
+                               .memory = {},
                                .ready = {},
                                .digest = {},
                                .source = {},
@@ -62,6 +63,7 @@ void BuildQueue::next() {
         if (error != 0) {
             failed_.push_back({.ticket = job.ticket,
                                .asset = {},
+                               .memory = {},
                                .ready = {},
                                .digest = {},
                                .source = {},
@@ -109,7 +111,7 @@ std::optional<BuildQueue::Result> BuildQueue::collect() {
         shm::receive_message(running_->socket, std::as_writable_bytes(std::span(&answer, 1)), shm::Block::no);
     if (received.nothing) return std::nullopt;
     Result result{
-        .ticket = running_->ticket, .asset = {}, .ready = {}, .digest = {}, .source = {}, .refusal = {}};
+        .ticket = running_->ticket, .asset = {}, .memory = {}, .ready = {}, .digest = {}, .source = {}, .refusal = {}};
     const std::uint32_t number = running_->number;
     end_process();  // its answer is complete
     next();
@@ -128,6 +130,7 @@ std::optional<BuildQueue::Result> BuildQueue::collect() {
             asset->materials.assign(answer.materials.begin(),
                                     answer.materials.begin() + answer.material_count);
             result.asset = std::move(asset);
+            result.memory = memory;
             result.ready = answer.ready;
             result.ready.number = number;
             result.digest = answer.digest;

@@ -15,6 +15,7 @@
 #include <sys/types.h>
 
 #include <knurl/protocol/asset.hpp>
+#include <knurl/servo/claim_table.hpp>
 #include <knurl/shm/fd.hpp>
 
 #include "fair_queue.hpp"
@@ -34,6 +35,7 @@ class BuildQueue {
     struct Result {
         std::uint64_t ticket = 0;
         std::unique_ptr<Asset> asset;  // null: refused
+        AssetMemory memory;            // in which it lies
         protocol::AssetReady ready;
         protocol::AssetDigest digest = {};  // of the source
         shm::UniqueFd source;               // sealed memory, with an asset

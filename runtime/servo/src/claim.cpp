@@ -44,7 +44,8 @@ Claim::Impl::Impl(const ClaimTerms& stated, std::byte* memory, protocol::ClientR
       scene({.representations = stated.capacity.representations, .probes = protocol::max_probes},
             stated.limits),
       silence(stated.update_interval, stated.delay_allowance),
-      feedback(channels ? stated.capacity.representations : 0) {
+      feedback(channels ? stated.capacity.representations : 0),
+      unshown(channels ? stated.capacity.representations : 0) {
     if (channels) slots.resize(terms.capacity.representations);
 }
 

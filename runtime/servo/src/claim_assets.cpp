@@ -56,7 +56,7 @@ void ClaimTable::expect_no_asset(std::uint64_t key, std::uint32_t number) noexce
 }
 
 void ClaimTable::give_asset(std::uint64_t key, std::uint32_t number, std::unique_ptr<Asset> asset,
-                            const protocol::AssetDigest& digest) {
+                            AssetMemory memory, const protocol::AssetDigest& digest) {
     Row* row = row_of_key(key);
     if (row == nullptr) throw RequestRefused("asset: its claim has gone");
     RowAsset& place = row->assets[number - 1];
@@ -67,11 +67,33 @@ void ClaimTable::give_asset(std::uint64_t key, std::uint32_t number, std::unique
             fmt::format("asset: {} bytes, besides {} that the claim holds by now; a claim may hold {}",
                         asset->bytes(), held, protocol::max_asset_bytes));
     require_memory("asset: it", asset->bytes());
-    auto kept = std::make_unique<HeldAsset>(HeldAsset{{memory_, asset->bytes()}, nullptr});
+    auto kept = std::make_unique<HeldAsset>(HeldAsset{.memory = {memory_, asset->bytes()},
+                                                        .block = std::move(memory),
+                                                        .shown = false,
+                                                        .asset = nullptr});
     if (!device_.servo.give(row->claim.get(), number, asset.get(), digest))
         throw RequestRefused(fmt::format("asset: the servo of \"{}\" is busy; send it again", device_.name));
     kept->asset = std::move(asset);
     place = {.stage = RowAsset::Stage::there, .held = std::move(kept)};
+}
+
+const shm::Segment& ClaimTable::asset_memory(std::uint32_t index, std::uint32_t number) {
+    const bool there = index < rows_.size() && rows_[index].stage == Stage::held && number >= 1 &&
+                       number <= rows_[index].assets.size() &&
+                       rows_[index].assets[number - 1].stage == RowAsset::Stage::there;
+    if (!there)
+        throw RequestRefused(
+            fmt::format("asset: device \"{}\" has no asset {} of a client in row {}; it may have left",
+                        device_.name, number, index));
+    HeldAsset& asset = *rows_[index].assets[number - 1].held;
+    try {
+        // Whoever maps it, if only for reading, must not have the kernel move it under the servo.
+        if (!asset.shown) asset.block->hold_pages();
+        asset.shown = true;
+    } catch (const std::exception& error) {
+        throw RequestRefused(fmt::format("asset: it cannot be shown ({})", error.what()));
+    }
+    return *asset.block;
 }
 
 void ClaimTable::forget_asset(std::uint64_t key, std::uint32_t number) {

@@ -3,6 +3,7 @@
 // broker's.
 
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -11,6 +12,7 @@
 #include <knurl/servo/supervisor.hpp>
 
 #include "silence.hpp"
+#include "unshown.hpp"
 
 namespace knurl::servo {
 
@@ -60,6 +62,16 @@ class FeedbackEntries {
     /// The last take() has found an entry to write.
     bool news() const noexcept { return news_; }
     void write(shm::TripleWriter& to) noexcept;
+    /// After take() has returned true: calls visit(const Feedback&) for what is touched.
+    template <class Visit>
+    void each_touched(Visit visit) const noexcept {
+        for (std::size_t w = 0; w < written_.wholly.size(); ++w) {
+            for (std::uint64_t rest = written_.wholly[w]; rest != 0; rest &= rest - 1) {
+                const Feedback& entry = entries_[64 * w + static_cast<std::size_t>(std::countr_zero(rest))];
+                if ((entry.flags & Feedback::touching) != 0) visit(entry);
+            }
+        }
+    }
     std::size_t size() const noexcept { return size_; }
 
   private:
@@ -144,6 +156,11 @@ struct Claim::Impl {
     protocol::FeedbackHeader published;  // the header as last published
 
     bool counts_changed = true;  // representations were added or removed
+
+    Unshown unshown;  // what the scene log has not of it yet
+    // As written there last.
+    bool shown_touching = false, shown_asleep = false;
+    std::uint32_t shown_probes = 0;  // bit mask
 };
 
 }  // namespace knurl::servo

@@ -293,16 +293,21 @@ void CommandProcessor::do_command(Claim::Impl& claim, const Command& command, co
                 claim.scene.add(body.id, body.kind, command.params, command.header.bytes, body.options);
             reply.applied_stiffness =
                 applied_stiffness(Representations{}, body.kind, command.params, claim.terms.limits);
+            if (shows) claim.unshown.slot(body.id.slot);
             claim.counts_changed = true;
             break;
         }
-        case CommandType::remove:
-            answer.verdict = claim.scene.remove(read_as<protocol::RemoveBody>(command.body).id);
+        case CommandType::remove: {
+            const RepresentationId id = read_as<protocol::RemoveBody>(command.body).id;
+            answer.verdict = claim.scene.remove(id);
+            if (shows) claim.unshown.slot(id.slot);
             claim.counts_changed = true;
             break;
+        }
         case CommandType::place_probe: {
             const auto body = read_as<protocol::PlaceProbeBody>(command.body);
             answer.verdict = claim.scene.place_probe(body.probe, body.placement);
+            if (shows) claim.unshown.probe(body.probe);
             break;
         }
         case CommandType::arm:

@@ -58,6 +58,7 @@ class CommandProcessor {
     const CommandCounts& counts() const noexcept { return counts_; }
 
     InputLog* input_log = nullptr;  // null: nobody records
+    bool shows = false;             // somebody watches the scenes: changes are marked in Claim::Impl::unshown
 
   private:
     /// A command of the present group; it points into the private copy.

@@ -118,6 +118,7 @@ void CommandProcessor::apply_entries(Claim::Impl& claim, const protocol::BatchHe
         if (no_op(claim, entry) || claim.slots[entry.id.slot].checked != params) return true;
         claim.slots[entry.id.slot].version = entry.version;
         claim.scene.update_checked(entry.id, params, entry.bytes);
+        if (shows) claim.unshown.slot(entry.id.slot);
         return true;
     });
 }

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <utility>
 
 #include <knurl/servo/input_log.hpp>
 
@@ -8,15 +9,8 @@ namespace knurl::servo {
 
 namespace {
 
-/// The header of a slot. `index` counts a record's slots from 0.
-struct SlotHeader {
-    std::uint32_t bytes = 0;  // of the whole record
-    InputType type{};
-    std::uint16_t index = 0;
-};
-static_assert(sizeof(SlotHeader) == input_log_slot_bytes - input_log_slot_payload);
-static_assert(offsetof(CycleInput, velocity) == input_log_slot_payload);
-static_assert(max_input_record / input_log_slot_payload < 0xffff);
+static_assert(offsetof(CycleInput, velocity) == log_slot_payload);
+static_assert(max_input_record / log_slot_payload < 0xffff);
 
 std::uint64_t mix(std::uint64_t hash, std::uint64_t value) noexcept {
     for (int i = 0; i < 8; ++i) hash = (hash ^ ((value >> (8 * i)) & 0xff)) * 0x100000001b3;  // FNV-1a
@@ -31,7 +25,7 @@ std::uint64_t input_log_layout() noexcept {
     for (const std::uint64_t value :
          {std::uint64_t{sizeof(CycleInput)}, std::uint64_t{sizeof(InputLogHeader)},
           std::uint64_t{sizeof(ClaimTerms)}, std::uint64_t{offsetof(ClaimTerms, resets)},
-          std::uint64_t{sizeof(ServoOptions)}, std::uint64_t{input_log_slot_bytes},
+          std::uint64_t{sizeof(ServoOptions)}, std::uint64_t{log_slot_bytes},
           std::uint64_t{input_log_slots}, static_cast<std::uint64_t>(InputType::asset_forgotten),
           std::uint64_t{sizeof(protocol::AssetDigest)}})
         hash = mix(hash, value);
@@ -78,48 +72,20 @@ std::uint64_t figures_of(const drivers::Device& device) {
 }
 
 InputLog::InputLog(std::byte* memory, const InputLogHeader& header)
-    : slots_(
-          [&] {
-              std::memcpy(memory, &header, sizeof header);
-              shm::broadcast_init(memory + input_log_header_bytes);
-              return memory + input_log_header_bytes;
-          }(),
-          input_log_slots, input_log_slot_bytes) {
+    : log_((std::memcpy(memory, &header, sizeof header), memory + input_log_header_bytes), input_log_slots) {
     static_assert(sizeof(InputLogHeader) <= input_log_header_bytes);
 }
 
 void InputLog::put(InputType type, std::initializer_list<std::span<const std::byte>> parts) noexcept {
-    std::size_t bytes = 0;
-    for (const auto& part : parts) bytes += part.size();
-    SlotHeader header{.bytes = static_cast<std::uint32_t>(bytes), .type = type};
-    alignas(8) std::byte slot[input_log_slot_bytes];
-    std::size_t filled = 0;
-    const auto publish = [&] {
-        std::memcpy(slot, &header, sizeof header);
-        slots_.publish(slot);
-        ++header.index;
-        filled = 0;
-    };
-    for (const auto& part : parts) {
-        for (std::size_t at = 0; at < part.size();) {
-            if (filled == input_log_slot_payload) publish();
-            const std::size_t n = std::min(part.size() - at, input_log_slot_payload - filled);
-            std::memcpy(slot + sizeof header + filled, part.data() + at, n);
-            filled += n;
-            at += n;
-        }
-    }
-    std::memset(slot + sizeof header + filled, 0, input_log_slot_payload - filled);
-    publish();
+    log_.put(static_cast<std::uint16_t>(type), parts);
 }
 
 std::uint64_t InputLog::written(const std::byte* memory) {
-    return shm::BroadcastReader(memory + input_log_header_bytes, input_log_slots, input_log_slot_bytes)
-        .published();
+    return RecordLog::written(memory + input_log_header_bytes, input_log_slots);
 }
 
 InputLogReader::InputLogReader(const std::byte* memory, std::uint64_t from)
-    : memory_(memory), slots_(memory + input_log_header_bytes, input_log_slots, input_log_slot_bytes, from) {}
+    : memory_(memory), log_(memory + input_log_header_bytes, input_log_slots, from, max_input_record) {}
 
 InputLogHeader InputLogReader::header() const {
     InputLogHeader header;
@@ -128,31 +94,11 @@ InputLogHeader InputLogReader::header() const {
 }
 
 InputLogReader::Next InputLogReader::next(InputRecord& out) {
-    alignas(8) std::byte slot[input_log_slot_bytes];
-    while (slots_.next(slot)) {
-        SlotHeader header;
-        std::memcpy(&header, slot, sizeof header);
-        if (slots_.missed() != missed_) {
-            missed_ = slots_.missed();
-            expected_ = 0;
-            return Next::gap;
-        }
-        // In the middle of a record whose beginning was overwritten: skip to the next record.
-        if (header.index != expected_ || header.bytes > max_input_record) continue;
-        if (header.index == 0) {
-            record_.type = header.type;
-            record_.bytes.clear();
-        }
-        const std::size_t n =
-            std::min<std::size_t>(header.bytes - record_.bytes.size(), input_log_slot_payload);
-        record_.bytes.insert(record_.bytes.end(), slot + sizeof header, slot + sizeof header + n);
-        ++expected_;
-        if (record_.bytes.size() < header.bytes) continue;
-        expected_ = 0;
-        std::swap(out, record_);
-        return Next::record;
-    }
-    return Next::nothing;
+    const Next found = log_.next(record_);
+    if (found != Next::record) return found;
+    out.type = static_cast<InputType>(record_.type);
+    std::swap(out.bytes, record_.bytes);
+    return found;
 }
 
 }  // namespace knurl::servo

@@ -16,10 +16,11 @@ std::byte* with_empty_ring(std::byte* segment) {
 
 }  // namespace
 
-Servo::Impl::Impl(drivers::Device& the_device, Clock& the_clock, std::byte* segment,
+Servo::Impl::Impl(drivers::Device& the_device, Clock& the_clock, std::byte* memory,
                   const ServoOptions& stated)
     : device(the_device),
       clock(the_clock),
+      segment(memory),
       options(stated),
       period(std::llround(1e9 / stated.rate)),
       stages(the_clock),
@@ -58,6 +59,7 @@ void Servo::step(Nanoseconds deadline, Nanoseconds now) noexcept {
     cycle.publish_counters(now);
     cycle.stages.end(Stage::publish);
     cycle.publish_parts();  // in one cycle in 64
+    if (cycle.scene_log != nullptr) cycle.show_scenes();
 }
 
 double Servo::Impl::begin_cycle(Nanoseconds deadline, Nanoseconds now) noexcept {
@@ -256,8 +258,10 @@ void Servo::Impl::let_go() noexcept {
     claims.let_go([this](Claim& claim) {
         const Claim::Impl& c = *claim.impl;
         const bool holds = c.channels.has_value();  // read first: a posted claim may be freed
+        const std::uint64_t number = c.number;
         if (!c.dropping || c.gain > 0 || !outbox.post(&claim)) return false;
         held -= holds;
+        if (holds && scene_log != nullptr) put_scene(SceneRecord::claim_gone, number);
         return true;
     });
 }
@@ -282,6 +286,10 @@ bool Servo::drop_all() noexcept {
 }
 bool Servo::record(InputLog* input_log) noexcept {
     return impl_->inbox.post({.what = Message::What::input_log, .input_log = input_log});
+}
+
+bool Servo::show_scenes(RecordLog* scene_log) noexcept {
+    return impl_->inbox.post({.what = Message::What::scene_log, .scene_log = scene_log});
 }
 
 Claim* Servo::released() noexcept {

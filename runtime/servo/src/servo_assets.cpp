@@ -21,6 +21,7 @@ void Servo::Impl::take_asset(const Message& message) noexcept {
     }
     c.assets[message.number - 1] = message.asset;
     c.scene.set_asset(message.number, message.asset);
+    if (scene_log != nullptr) c.unshown.claim();
     if (input_log != nullptr)
         input_log->put(InputType::asset, {as_bytes(c.number), as_bytes(std::uint64_t{message.number}),
                                           as_bytes(message.digest)});
@@ -36,6 +37,7 @@ void Servo::Impl::return_assets(Claim& claim) noexcept {
         if (!asset_outbox.post({.claim = &claim, .number = index + 1})) continue;
         c.scene.set_asset(index + 1, nullptr);
         c.assets[index] = nullptr;
+        if (scene_log != nullptr) c.unshown.claim();
         c.forgotten &= ~(std::uint64_t{1} << index);
     }
 }

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include <knurl/servo/input_log.hpp>
+#include <knurl/servo/scene_log.hpp>
 #include <knurl/servo/servo.hpp>
 #include <knurl/shm/counters.hpp>
 #include <knurl/shm/waiter.hpp>
@@ -21,9 +22,10 @@ namespace knurl::servo {
 
 /// From the broker.
 struct Message {
-    enum class What : std::uint32_t { adopt, drop, drop_all, input_log, asset, forget } what = What::adopt;
+    enum class What : std::uint32_t { adopt, drop, drop_all, input_log, scene_log, asset, forget } what = What::adopt;
     Claim* claim = nullptr;
     InputLog* input_log = nullptr;
+    RecordLog* scene_log = nullptr;
     const Asset* asset = nullptr;
     std::uint32_t number = 0;           // of the asset
     protocol::AssetDigest digest = {};  // of its source
@@ -95,6 +97,15 @@ struct Servo::Impl {
               stopping, first_taken);
     }
 
+    // servo_scene_log.cpp
+    void watch_scenes(RecordLog* log) noexcept;
+    /// Writes some of what watchers have not been shown yet.
+    void show_scenes() noexcept;
+    void show_changes_of(Claim::Impl& claim, std::uint32_t& records, std::uint32_t& slots) noexcept;
+    void show_felt(Claim::Impl& claim) noexcept;
+    template <class... Part>
+    void put_scene(SceneRecord type, const Part&... parts) noexcept;
+
     void adopt(Claim* claim, Nanoseconds now) noexcept;
     void take_asset(const Message& message) noexcept;
     void return_assets(Claim& claim) noexcept;
@@ -104,6 +115,7 @@ struct Servo::Impl {
 
     drivers::Device& device;
     Clock& clock;
+    std::byte* segment;  // the device's report memory
     ServoOptions options;
     Nanoseconds period;
 
@@ -148,6 +160,8 @@ struct Servo::Impl {
                   present = 0;
 
     InputLog* input_log = nullptr;    // null: nobody records
+    RecordLog* scene_log = nullptr;   // null: nobody watches
+    std::size_t next_shown = 0;       // place of the claim whose changes are shown next
     std::uint64_t next_keyframe = 0;  // the first cycle in which a keyframe is due
     std::uint64_t claims_seen = 0;    // claims adopted so far, without observers
     std::size_t held = 0;             // those of them that are still here

@@ -17,6 +17,7 @@ void Servo::Impl::take_mail(Nanoseconds now) noexcept {
             command_processor.input_log = input_log = message.input_log;
             next_keyframe = 0;
         }
+        if (message.what == Message::What::scene_log) watch_scenes(message.scene_log);
         if (message.what == Message::What::drop) drop(message.claim);
         if (message.what != Message::What::drop_all) continue;
         ending = true;
@@ -53,6 +54,7 @@ void Servo::Impl::adopt(Claim* claim, Nanoseconds now) noexcept {
         c.number = ++claims_seen;
         ++held;
         if (input_log != nullptr) input_log->put(InputType::adopt, {as_bytes(c.number), as_bytes(c.terms)});
+        if (scene_log != nullptr) c.unshown.all();
     }
     c.silence.begin(now);
     if (!options.clamp_stiffness) {

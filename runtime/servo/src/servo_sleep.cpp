@@ -51,6 +51,8 @@ void Servo::Impl::evaluate_scene(std::size_t place, const Probe& probe, double d
 void Servo::Impl::put_to_sleep(std::size_t place) noexcept {
     Claim::Impl& c = claims[place];
     if (!options.sleep || !c.nothing_to_do()) return;
+    // Its last touch is still to be shown: it is awake when its turn comes.
+    if (scene_log != nullptr && (c.shown_touching || c.shown_asleep != c.scene_sleeps)) return;
     if (c.scene_sleeps) c.feedback.keep();
     const bool heard = c.channels && options.silence && !(c.silent_for > 0);
     claims.put_to_sleep(place, {.until = heard ? c.silence.heard_until() : Sleep::for_ever,

@@ -223,6 +223,22 @@ class Scene {
 
     /// After `evaluate`: contact point (m) of probe 0 in the new set; else probe 0 itself.
     Eigen::Vector3d contact_point() const noexcept;
+    /// What lies in a slot, as it was added and changed; for programs that show it.
+    struct Shown {
+        /// Slot and generation.
+        RepresentationId id;
+        /// Its kind.
+        Kind kind = 0;
+        /// How it is used.
+        AddOptions options;
+        /// Its parameters; valid until the next change.
+        std::span<const std::byte> params;
+    };
+    /// What lies in this slot; no parameters: nothing does.
+    Shown shown(std::uint32_t slot) const noexcept;
+    /// Where a probe was placed.
+    ProbePlacement placement(std::uint32_t probe) const noexcept;
+
     /// Number of representations.
     std::uint32_t size() const noexcept;
     /// Number of representations of this kind.

@@ -31,6 +31,14 @@ struct AssetMaterial {
     double friction = 1;
 };
 
+/// A surface as triangles to draw, in its own frame, in single precision.
+struct DrawnTriangles {
+    /// Vertices (m): x, y, z of each.
+    std::vector<float> vertices;
+    /// Three numbers of vertices for each triangle.
+    std::vector<std::uint32_t> triangles;
+};
+
 /// A surface in its own frame. It never changes once it is built, so any number of scenes may read it.
 struct Asset {
     /// An asset of that kind.
@@ -46,6 +54,9 @@ struct Asset {
     virtual std::size_t block_bytes() const noexcept = 0;
     /// Writes it as one piece of memory of block_bytes(), for another process of the same build.
     virtual void write(std::span<std::byte> block) const = 0;
+
+    /// As triangles to draw. Of a mesh, triangles do not share vertices.
+    virtual DrawnTriangles drawn() const = 0;
 
     /// Its kind.
     const AssetKind kind;

@@ -62,6 +62,8 @@ class HeightField final : public Asset {
     std::size_t block_bytes() const noexcept override;
     /// As of Asset.
     void write(std::span<std::byte> block) const override;
+    /// As of Asset.
+    DrawnTriangles drawn() const override;
     /// The form that the proxy walks on.
     const HeightData& data() const noexcept { return *data_; }
 

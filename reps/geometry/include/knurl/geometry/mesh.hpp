@@ -123,6 +123,8 @@ class Mesh final : public Asset {
     std::size_t block_bytes() const noexcept override;
     /// As of Asset.
     void write(std::span<std::byte> block) const override;
+    /// As of Asset.
+    DrawnTriangles drawn() const override;
     /// What the builder found and mended.
     const MeshNotes& notes() const noexcept;
     /// The form that the proxy walks on.

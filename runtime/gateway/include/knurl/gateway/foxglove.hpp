@@ -12,7 +12,6 @@
 #include <memory>
 #include <span>
 #include <string>
-#include <utility>
 
 #include <knurl/gateway/live_view.hpp>
 #include <knurl/gateway/socket.hpp>
@@ -61,17 +60,7 @@ class FoxgloveSource {
     std::unique_ptr<Impl> impl_;
 };
 
-/// The protocol over a LiveView, whose tick comes before that of the sockets; it outlives them.
-inline MakeHandler make_foxglove(const LiveView& view) {
-    auto source = std::make_shared<FoxgloveSource>([&view] {
-        return FoxgloveLook{.connected = view.connected(),
-                            .epoch = view.epoch(),
-                            .name = view.name(),
-                            .trouble = view.trouble(),
-                            .devices = view.devices()};
-    });
-    return
-        [source = std::move(source)](Socket& socket, const std::string&) { return source->handler(socket); };
-}
+/// What a LiveView sees; its tick comes before those of the sockets.
+FoxgloveLook foxglove_look(const LiveView& view);
 
 }  // namespace knurl::gateway

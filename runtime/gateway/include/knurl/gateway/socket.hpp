@@ -46,6 +46,9 @@ class Socket {
     virtual Role role() const = 0;
     /// Who it is, for messages: "127.0.0.1:40312".
     virtual const std::string& peer() const = 0;
+    /// The session that opened it, as Request::session has it: what the same page sends by POST belongs to it. Empty:
+    /// the peer has none.
+    virtual std::string session() const { return {}; }
 };
 
 /// A protocol on one socket. Its destructor runs when the socket has closed: what the peer held is released there.

@@ -16,6 +16,10 @@
 ///     RecordRequest      ->
 ///                        <-      Recording + {input log}, or Refused; until the hang-up
 ///                        <-      RecordedAsset + {source}, for each that a claim gets
+///     WatchRequest       ->
+///                        <-      Watching + {scene log}, or Refused; until the hang-up
+///     ShowAsset          ->
+///                        <-      ShownAsset + {asset}, or Refused
 ///
 /// Between Claimed and Mapped the client maps the claim's segment writable and then seals it against new
 /// writers. Only then does the servo's thread read it: no page of a sealed segment can be taken away, so no
@@ -67,7 +71,15 @@ enum class MessageType : std::uint32_t {
     /// Mapped.
     mapped,
     /// Serving.
-    serving
+    serving,
+    /// WatchRequest.
+    watch,
+    /// Watching.
+    watching,
+    /// ShowAsset.
+    show_asset,
+    /// ShownAsset.
+    shown_asset
 };
 
 /// What every message begins with.
@@ -224,6 +236,46 @@ struct Recording {
     MessageHeader header{.type = MessageType::recording};
     /// Slot to begin with.
     std::uint64_t from = 0;
+};
+
+/// A client wants to see the scenes of a device; once more: all of them anew, since it has missed something.
+struct WatchRequest {
+    /// Magic number and type of the message.
+    MessageHeader header{.type = MessageType::watch};
+    /// Index in Welcome.
+    std::uint32_t device = 0;
+    /// Padding; 0.
+    std::uint32_t reserved = 0;
+};
+
+/// Answer to WatchRequest. With it comes the scene log's memory (knurl/servo/scene_log.hpp), which cannot be written.
+struct Watching {
+    /// Magic number and type of the message.
+    MessageHeader header{.type = MessageType::watching};
+    /// Slot to begin with.
+    std::uint64_t from = 0;
+};
+
+/// A client that watches wants to see an asset of a claim.
+struct ShowAsset {
+    /// Magic number and type of the message.
+    MessageHeader header{.type = MessageType::show_asset};
+    /// Index in Welcome.
+    std::uint32_t device = 0;
+    /// Row of the claim in the device's table of clients.
+    std::uint32_t row = 0;
+    /// Number of the asset.
+    std::uint32_t number = 0;
+    /// Padding; 0.
+    std::uint32_t reserved = 0;
+};
+
+/// Answer to ShowAsset. With it comes the servo's form of the asset, sealed, for asset_of (knurl/geometry/asset.hpp).
+struct ShownAsset {
+    /// Magic number and type of the message.
+    MessageHeader header{.type = MessageType::shown_asset};
+    /// Bytes of its memory.
+    std::uint64_t bytes = 0;
 };
 
 /// Hash over every wire type's size and offsets and the representations' tables.

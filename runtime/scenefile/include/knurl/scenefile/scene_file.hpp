@@ -19,6 +19,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -133,5 +134,21 @@ SceneFile read_scene(const std::string& path);
 
 /// The same from memory; `path` is what errors name.
 SceneFile parse_scene(std::string_view text, const std::string& path);
+
+/// What one representation's table states, outside of a file: for those who have tables of another format, and shall
+/// read the same keys in the same way.
+struct Stated {
+    /// Its id; empty: it has none.
+    std::string id;
+    /// How it is used; none: the table does not say so.
+    std::optional<AddOptions> options;
+    /// Its parameters, complete and valid.
+    std::vector<std::byte> params;
+};
+
+/// Reads the keys of a [[table]] of that kind, as TOML without the table's head: "id = \"floor\"\nstiffness = 800\n".
+/// `before`: parameters that it changes, of which it inherits what it does not state, as an update does; empty: the
+/// defaults. Throws SceneError, one line without a place.
+Stated read_stated(Kind kind, std::string_view keys, std::span<const std::byte> before = {});
 
 }  // namespace knurl::scenefile

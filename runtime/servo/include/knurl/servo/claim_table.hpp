@@ -79,6 +79,9 @@ struct Grant {
     shm::UniqueFd wake_fd;
 };
 
+/// The memory in which an asset lies, as its builder sealed it.
+using AssetMemory = std::shared_ptr<shm::Segment>;
+
 /// Used by the broker's thread alone; the servo's thread touches only what adopt() handed to it.
 ///
 ///   free --grant--> granted --serve--> held --let_go (hang-up, release)--> leaving --the servo gives the
@@ -113,8 +116,10 @@ class ClaimTable {
     /// There will be none.
     void expect_no_asset(std::uint64_t key, std::uint32_t number) noexcept;
     /// Gives the asset to the claim's scene. Throws RequestRefused: the claim has gone, or the servo is busy.
-    void give_asset(std::uint64_t key, std::uint32_t number, std::unique_ptr<Asset> asset,
+    void give_asset(std::uint64_t key, std::uint32_t number, std::unique_ptr<Asset> asset, AssetMemory memory,
                     const protocol::AssetDigest& digest);
+    /// The memory of an asset of the claim in that row, for who watches. Throws RequestRefused: there is none.
+    const shm::Segment& asset_memory(std::uint32_t row, std::uint32_t number);
     /// The asset is freed once the servo has given it back. Throws RequestRefused.
     void forget_asset(std::uint64_t key, std::uint32_t number);
 
@@ -134,6 +139,8 @@ class ClaimTable {
     };
     struct HeldAsset {
         MemoryShare memory;
+        AssetMemory block;
+        bool shown = false;  // somebody else maps it
         std::unique_ptr<Asset> asset;
     };
     struct RowAsset {

@@ -5,10 +5,9 @@
 /// order. What is in it replays exactly (replay.hpp), from a keyframe on: a copy of what the servo remembers,
 /// made while nobody holds the device.
 ///
-///     InputLogHeader | ring of slots, as of the reports: one writer, readers whose mapping is read-only
+///     InputLogHeader | a log of records (record_log.hpp)
 ///
-/// A record is a type and some bytes, in as many slots as it needs. The servo never waits for a reader: one
-/// that is too slow sees a gap.
+/// The servo never waits for a reader: one that is too slow sees a gap.
 
 #include <array>
 #include <cstddef>
@@ -20,8 +19,8 @@
 
 #include <knurl/protocol/device_segment.hpp>
 #include <knurl/servo/clock.hpp>
+#include <knurl/servo/record_log.hpp>
 #include <knurl/servo/servo.hpp>
-#include <knurl/shm/broadcast_ring.hpp>
 
 namespace knurl::servo {
 
@@ -112,17 +111,13 @@ struct InputLogHeader {
 };
 static_assert(std::is_trivially_copyable_v<InputLogHeader> && std::is_trivially_copyable_v<ClaimTerms>);
 
-/// Bytes of a slot.
-inline constexpr std::size_t input_log_slot_bytes = 128;
-/// Bytes of a slot that a record may use: a cycle without velocities fits.
-inline constexpr std::size_t input_log_slot_payload = input_log_slot_bytes - 8;
 /// Number of slots: 8 MiB, a minute at 1 kHz, less what is sent.
 inline constexpr std::uint32_t input_log_slots = 65'536;
 /// Bytes before the slots.
 inline constexpr std::size_t input_log_header_bytes = 4096;
 /// Bytes of the whole log.
 inline constexpr std::size_t input_log_bytes =
-    input_log_header_bytes + shm::broadcast_bytes(input_log_slots, input_log_slot_bytes);
+    input_log_header_bytes + record_log_bytes(input_log_slots);
 /// Most words of a keyframe.
 inline constexpr std::size_t max_keyframe_words = 512;
 /// Most bytes of a record: the largest batch, or all cells of a command ring, and what stands before it.
@@ -149,7 +144,7 @@ class InputLog {
     static std::uint64_t written(const std::byte* memory);
 
   private:
-    shm::BroadcastWriter slots_;
+    RecordLog log_;
 };
 
 /// A record.
@@ -167,27 +162,18 @@ class InputLogReader {
     InputLogReader(const std::byte* memory, std::uint64_t from);
 
     /// What next() has found.
-    enum class Next {
-        /// Nothing new.
-        nothing,
-        /// A record.
-        record,
-        /// Something was overwritten before it could be read; the records go on behind it.
-        gap,
-    };
+    using Next = RecordLogReader::Next;
     /// The next record.
     Next next(InputRecord& out);
     /// Slots that were overwritten before they could be read.
-    std::uint64_t missed() const noexcept { return slots_.missed(); }
+    std::uint64_t missed() const noexcept { return log_.missed(); }
     /// The header.
     InputLogHeader header() const;
 
   private:
     const std::byte* memory_;
-    shm::BroadcastReader slots_;
-    std::uint64_t missed_ = 0;
-    std::uint32_t expected_ = 0;  // index of the next slot of the record at hand; 0: a new one begins
-    InputRecord record_;
+    RecordLogReader log_;
+    LogRecord record_;
 };
 
 }  // namespace knurl::servo

@@ -51,6 +51,7 @@ protocol::Frame frame_for(const drivers::LinkConfig& link, const protocol::Claim
 Limits limits_for(const drivers::LinkConfig& link, double rate, const protocol::Frame& frame) noexcept;
 
 class InputLog;
+class RecordLog;
 class Replay;
 
 /// An asset of which nothing of that claim is made any more.
@@ -93,6 +94,9 @@ class Servo {
     /// From the next cycle on every input goes into this log, which outlives the servo; null: no more. The
     /// same log once more: a keyframe as soon as nobody holds the device.
     bool record(InputLog* input_log) noexcept;
+    /// From the next cycle on this log, which outlives the servo, has what is in the scenes (scene_log.hpp); null: no
+    /// more. Once more: all of it anew.
+    bool show_scenes(RecordLog* scene_log) noexcept;
 
     /// The cycle. `deadline` is when it should have begun, `now` when it did (CLOCK_MONOTONIC or virtual,
     /// ns).

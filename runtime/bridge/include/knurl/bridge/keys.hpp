@@ -1,6 +1,8 @@
 #pragma once
-// The keys file of a bridge: who may connect, in which role. One line per key: `name role 64-hex-digits`; '#'
-// begins a comment. Anybody who can read it can move a motor, so a file that others can read is refused.
+
+/// @file
+/// The keys file of a bridge: who may connect, in which role. One line per key: `name role 64-hex-digits`; '#'
+/// begins a comment. Anybody who can read it can move a motor, so a file that others can read is refused.
 
 #include <array>
 #include <cstddef>
@@ -16,21 +18,32 @@ namespace knurl::bridge {
 
 /// Each role includes the ones before it.
 enum class Role : std::uint8_t {
-    observe = 0,  // read reports
-    render = 1,   // share a device that somebody else has switched on
-    control = 2,  // claim, arm, reset
+    /// Read reports.
+    observe = 0,
+    /// Share a device that somebody else has switched on.
+    render = 1,
+    /// Claim, arm, reset.
+    control = 2,
 };
+/// Its word in the file.
 std::string_view role_name(Role role) noexcept;
+/// Nothing: no role is called so.
 std::optional<Role> parse_role(std::string_view word) noexcept;
 
+/// Bytes of a secret.
 inline constexpr std::size_t key_bytes = 32;
-// letters, digits, '.', '_', '-': it appears in logs and in names of claims
+/// Longest name: letters, digits, '.', '_', '-', since it appears in logs and in names of claims.
 inline constexpr std::size_t max_key_name = 63;
-inline constexpr std::size_t max_keys = 1024;  // in one file
+/// Most keys in one file.
+inline constexpr std::size_t max_keys = 1024;
 
+/// One line of the file.
 struct Key {
-    std::string name;  // the identity in the handshake; not secret
+    /// The identity in the handshake; not secret.
+    std::string name;
+    /// What its owner may do.
     Role role = Role::observe;
+    /// What its owner shows to have.
     std::array<std::byte, key_bytes> secret{};
 };
 
@@ -39,7 +52,12 @@ Key make_key(std::string name, Role role);
 
 /// A bridge can create keys. An application must request one, since a bridge does not know a key that the
 /// application makes.
-enum class KeysOf : std::uint8_t { bridge, application };
+enum class KeysOf : std::uint8_t {
+    /// It can add a key.
+    bridge,
+    /// It has the line that it was given.
+    application
+};
 
 /// All keys of a file. Throws std::runtime_error, one line: file missing, readable by others, or file and
 /// line of a mistake, and the remedy for `whose`.
