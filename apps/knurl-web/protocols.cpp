@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include <knurl/gateway/foxglove.hpp>
 #include <knurl/gateway/inverse.hpp>
 #include <knurl/gateway/live_page.hpp>
 #include <knurl/gateway/live_view.hpp>
@@ -67,7 +68,8 @@ struct Protocols::Impl {
           page(view, {.servo = settings.servo,
                       .recordings = settings.recordings,
                       .knurl_program = knurl_program(),
-                      .log = [](const std::string& line) { fmt::print(stderr, "knurl-web: {}\n", line); }}) {}
+                      .log = [](const std::string& line) { fmt::print(stderr, "knurl-web: {}\n", line); }}),
+          foxglove([this] { return gateway::foxglove_look(view); }) {}
 
     gateway::Response mesh(const gateway::Request& request);
     gateway::Response asset(const gateway::Request& request) const;
@@ -76,6 +78,7 @@ struct Protocols::Impl {
     gateway::LiveView view;
     gateway::LivePage page;
     gateway::Inverse inverse = inverse_of(settings);
+    gateway::FoxgloveSource foxglove;
 };
 
 gateway::Response Protocols::Impl::mesh(const gateway::Request& request) {
@@ -136,7 +139,7 @@ std::vector<gateway::HttpRoute> Protocols::page_routes() {
 }
 
 gateway::MakeHandler Protocols::make_foxglove_handler() {
-    return [](gateway::Socket&, const std::string&) { return nullptr; };
+    return [this](gateway::Socket& socket, const std::string&) { return impl_->foxglove.handler(socket); };
 }
 
 gateway::MakeHandler Protocols::make_inverse_handler() {

@@ -92,6 +92,7 @@ class Source {
         info.device = protocol::text_of(device_.name);
         info.address = protocol::text_of(device_.address);
         info.profile = protocol::text_of(device_.profile);
+        info.joints = device_.joints;
         info.options = inputs_->header().options;
         info.realtime_offset_ns = clock_ns(CLOCK_REALTIME) - clock_ns(CLOCK_MONOTONIC);
         return info;

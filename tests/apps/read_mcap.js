@@ -24,7 +24,7 @@ const readable = {
   const reader = await McapIndexedReader.Initialize({ readable, decompressHandlers });
   const topics = {};
   let lastCycle = 0n;
-  for await (const message of reader.readMessages({ topics: ["/knurl/report"] })) {
+  for await (const message of reader.readMessages({ topics: [...reader.channelsById.values()].map(({ topic }) => topic).filter((topic) => topic.endsWith("/report")) })) {
     const view = new DataView(message.data.buffer, message.data.byteOffset);
     lastCycle = view.getBigUint64(4, true);
   }

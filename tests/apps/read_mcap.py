@@ -4,10 +4,14 @@ message; prints what it found as JSON. Needs the program zstd."""
 
 import hashlib
 import json
+import os
 import struct
 import subprocess
 import sys
 import zlib
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "foxglove"))
+import ros2msg
 
 MAGIC = b"\x89MCAP0\r\n"
 HEADER, FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, MESSAGE_INDEX, CHUNK_INDEX = range(1, 9)
@@ -51,6 +55,30 @@ def records(data, at, end):
         at += 9 + length
 
 
+def check_view(topic, message, report, log_time):
+    """A pose, wrench, ... says what the report says, of the time of the message."""
+    if topic == "/tf":
+        transform, = message["transforms"]
+        header, kind = transform["header"], "tf"
+        assert transform["child_frame_id"] == header["frame_id"].replace("_base", "_hand")
+        found, said = (transform["transform"][part] for part in ("translation", "rotation")), ("position", "orientation")
+    else:
+        header, kind = message["header"], topic.split("/")[2]
+        parts = {"measured_cp": ("pose", "position", "orientation"), "measured_cf": ("wrench", "force", "torque"),
+                 "measured_cv": ("twist", "linear", "angular")}.get(kind)
+        said = {"measured_cp": ("position", "orientation"), "measured_cf": ("sent_force", "sent_torque"),
+                "measured_cv": ("velocity", "angular_velocity")}.get(kind, ())
+        found = (message[parts[0]][part] for part in parts[1:]) if parts else ()
+    for one, member in zip(found, said):
+        assert one == report[member], (topic, one, report[member])
+    assert header["frame_id"].endswith("_base")
+    assert header["stamp"]["sec"] * 10**9 + header["stamp"]["nanosec"] == log_time
+    if kind == "measured_js":
+        assert message["position"] == report["joints"][:len(message["name"])] and message["name"]
+    if kind == "joy":
+        assert sum(bit << i for i, bit in enumerate(message["buttons"])) == report["buttons"]
+
+
 def main(path):
     data = open(path, "rb").read()
     assert data.startswith(MAGIC) and data.endswith(MAGIC)
@@ -73,6 +101,13 @@ def main(path):
             assert p.map(Parts.text, Parts.text) == {}
             assert schema == 0 or schema in schemas
             channels[number] = (topic, encoding, schema)
+
+    definitions, last_report = {}, None
+
+    def parsed(schema):
+        if schema[0] not in definitions:
+            definitions[schema[0]] = ros2msg.parse(schema[0], schema[2])
+        return definitions[schema[0]]
 
     message_indexes, last_chunk = {}, None
     data_end = None
@@ -112,11 +147,16 @@ def main(path):
                 counts[channel] = counts.get(channel, 0) + 1
                 times.append(log_time)
                 places.setdefault(channel, []).append((log_time, inner_at))
-                if channels[channel][0] == "/knurl/report":
-                    body = m.rest()
+                schema = schemas.get(channels[channel][2], ("", "", ""))
+                body = m.rest()
+                if schema[0] == "knurl_msgs/msg/Report":
                     assert body[:4] == b"\0\1\0\0" and len(body) == 4 + 376
                     values = struct.unpack_from("<Q3q8d3d4d24d4IQ", body, 4)
                     reports.append({"cycle": values[0], "sent_fz": values[36], "state": values[43]})
+                    last_report = ros2msg.decode(*parsed(schema), body)
+                elif schema[1] == "ros2msg":
+                    # The same as the report before it, in another form.
+                    check_view(channels[channel][0], ros2msg.decode(*parsed(schema), body), last_report, log_time)
             assert (first, last) == (min(times), max(times))
             chunks[at] = {"first": first, "last": last, "bytes": len(content) + 9, "packed": len(packed),
                           "plain": plain, "indexes": {}, "index_bytes": 0}

@@ -53,7 +53,7 @@ std::string valid_head() {
     put_text(content, "");
     put_text(content, "Knurl 0.1.0");
     put_record(head, 1, content);
-    for (const auto& [id, topic] : {std::pair(1, "/knurl/report"), {2, "/knurl/inputs"}}) {
+    for (const auto& [id, topic] : {std::pair(1, "/x/report"), {2, "/knurl/inputs"}}) {
         content.clear();
         put(content, static_cast<std::uint16_t>(id));
         put(content, std::uint16_t{0});

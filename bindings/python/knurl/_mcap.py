@@ -1,11 +1,12 @@
-"""Reports as an MCAP file: the topic, schema and encoding of `knurl record`, without chunks and compression.
+"""Reports as an MCAP file: topics, schemas and encoding of `knurl record`, without chunks and compression.
 
-Foxglove and PlotJuggler plot it. `knurl replay` needs the cycle's inputs, too, which only `knurl record` has.
+Foxglove and PlotJuggler plot it; pose, wrench and transform are there for 3D views, 100 times a second. `knurl replay` needs the cycle's inputs, too, which only `knurl record` has.
 """
 
 from __future__ import annotations
 
 import io
+import re
 import struct
 import zlib
 from typing import TYPE_CHECKING, Any, BinaryIO, Dict, Tuple
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
 _MAGIC = b"\x89MCAP0\r\n"
 _HEADER, _FOOTER, _SCHEMA, _CHANNEL, _MESSAGE, _CHUNK, _METADATA, _DATA_END = 1, 2, 3, 4, 5, 6, 12, 15
 _STATISTICS, _METADATA_INDEX = 11, 13
-_TOPIC = "/knurl/report"
 _CDR = b"\0\1\0\0"  # little endian
 _AT, _BYTES = 8, 376  # of a report in knurl_report: CDR packs the members as the compiler does
 
@@ -62,6 +62,68 @@ float64 z
 """
 
 
+# Definitions of ROS 2; each but the first line's type behind its name.
+_HEADER_OF_ROS = {"std_msgs/Header": "builtin_interfaces/Time stamp\nstring frame_id\n",
+                  "builtin_interfaces/Time": "int32 sec\nuint32 nanosec\n"}
+_VECTOR = {"geometry_msgs/Vector3": "float64 x\nfloat64 y\nfloat64 z\n"}
+_QUATERNION = {"geometry_msgs/Quaternion": "float64 x 0\nfloat64 y 0\nfloat64 z 0\nfloat64 w 1\n"}
+_VIEW_EVERY = 10_000_000  # ns
+
+
+class _View:
+    """A channel with a fixed number of doubles behind header and frames."""
+
+    def __init__(self, topic: str, type_: str, definition: str, needs: Dict[str, str], members: Tuple[str, str], child: bool = False) -> None:
+        self.topic, self.members, self.child = topic, members, child
+        self.name = type_.replace("/", "/msg/")
+        self.definition = definition + "".join("=" * 80 + f"\nMSG: {name}\n{text}" for name, text in needs.items())
+
+    def messages(self, channel: int, reports: "Table", times: Any, base: str) -> bytes:
+        np = numpy()
+        # Between the stamp and the doubles, which CDR aligns to 8 behind its first four bytes.
+        frames = _cdr_text(base, 12 if self.child else 8)
+        if self.child:
+            frames += _cdr_text(base[:-len("base")] + "hand", 12 + len(frames))
+        at = (12 if self.child else 8) + len(frames)
+        frames += b"\0" * (-at % 8)
+        columns = [reports[member][:, [1, 2, 3, 0]] if member == "orientation" else reports[member] for member in self.members]
+        values = np.concatenate(columns, axis=1)
+        count = [("count", "<u4")] if self.child else []
+        head = np.dtype([("op", "u1"), ("length", "<u8"), ("channel", "<u2"), ("sequence", "<u4"), ("log", "<u8"), ("publish", "<u8"),
+                         ("cdr", "V4"), *count, ("sec", "<i4"), ("nanosec", "<u4"), ("frames", "V%d" % len(frames)),
+                         ("values", "<f8", values.shape[1])])
+        rows = np.zeros(len(reports), head)
+        rows["op"], rows["length"], rows["channel"] = _MESSAGE, head.itemsize - 9, channel
+        rows["sequence"] = np.arange(len(reports))
+        rows["log"] = rows["publish"] = times
+        rows["cdr"], rows["frames"] = np.void(_CDR), np.void(frames)
+        if self.child:
+            rows["count"] = 1
+        rows["sec"], rows["nanosec"] = times // 1_000_000_000, times % 1_000_000_000
+        rows["values"] = values
+        return bytes(rows.tobytes())
+
+
+def _views(device: str) -> Tuple[_View, ...]:
+    pose = {**_HEADER_OF_ROS, "geometry_msgs/Pose": "geometry_msgs/Point position\ngeometry_msgs/Quaternion orientation\n",
+            "geometry_msgs/Point": _VECTOR["geometry_msgs/Vector3"], **_QUATERNION}
+    wrench = {**_HEADER_OF_ROS, "geometry_msgs/Wrench": "geometry_msgs/Vector3 force\ngeometry_msgs/Vector3 torque\n", **_VECTOR}
+    tree = {"geometry_msgs/TransformStamped": "std_msgs/Header header\nstring child_frame_id\ngeometry_msgs/Transform transform\n",
+            **_HEADER_OF_ROS, "geometry_msgs/Transform": "geometry_msgs/Vector3 translation\ngeometry_msgs/Quaternion rotation\n",
+            **_VECTOR, **_QUATERNION}
+    return (_View(f"/{device}/measured_cp", "geometry_msgs/PoseStamped", "std_msgs/Header header\ngeometry_msgs/Pose pose\n", pose,
+                  ("position", "orientation")),
+            _View(f"/{device}/measured_cf", "geometry_msgs/WrenchStamped", "std_msgs/Header header\ngeometry_msgs/Wrench wrench\n", wrench,
+                  ("sent_force", "sent_torque")),
+            _View("/tf", "tf2_msgs/TFMessage", "geometry_msgs/TransformStamped[] transforms\n", tree, ("position", "orientation"), True))
+
+
+def _cdr_text(text: str, at: int) -> bytes:
+    """A text where `at` bytes of the body stand before it."""
+    said = text.encode() + b"\0"
+    return b"\0" * (-at % 4) + struct.pack("<I", len(said)) + said
+
+
 def _text(text: str) -> bytes:
     return struct.pack("<I", len(text.encode())) + text.encode()
 
@@ -82,7 +144,7 @@ def _messages(reports: "Table", realtime_ns: int) -> Tuple[bytes, Any]:
     head = np.dtype([("op", "u1"), ("length", "<u8"), ("channel", "<u2"), ("sequence", "<u4"), ("log", "<u8"),
                      ("publish", "<u8"), ("cdr", "S4"), ("report", "V%d" % _BYTES)])
     rows = np.zeros(len(reports), head)
-    rows["op"], rows["length"], rows["cdr"] = _MESSAGE, head.itemsize - 9, _CDR
+    rows["op"], rows["length"], rows["channel"], rows["cdr"] = _MESSAGE, head.itemsize - 9, 1, _CDR
     rows["sequence"] = np.arange(len(reports))
     rows["log"] = rows["publish"] = times
     # A string type would drop the zeros at its end.
@@ -93,18 +155,27 @@ def _messages(reports: "Table", realtime_ns: int) -> Tuple[bytes, Any]:
 
 def write(path: str, reports: "Table", realtime_ns: int, device: str) -> None:
     """realtime_ns: what is added to the servo's CLOCK_MONOTONIC to give CLOCK_REALTIME."""
-    schema = _record(_SCHEMA, struct.pack("<H", 1) + _text("knurl_msgs/msg/Report") + _text("ros2msg") + _text(_DEFINITION))
-    channel = _record(_CHANNEL, struct.pack("<HH", 0, 1) + _text(_TOPIC) + _text("cdr") + _map({}))
-    metadata = _record(_METADATA, _text("knurl python") + _map({"device": device, "realtime_offset_ns": str(realtime_ns)}))
+    name = re.sub("[.-]", "_", device or "knurl")  # what ROS takes
+    views = _views(name)
     messages, times = _messages(reports, realtime_ns)
-    head = _MAGIC + _record(_HEADER, _text("") + _text(f"knurl for Python {__version__}")) + schema + channel
+    kinds = [("knurl_msgs/msg/Report", _DEFINITION, f"/{name}/report"), *((view.name, view.definition, view.topic) for view in views)]
+    definitions = b"".join(_record(_SCHEMA, struct.pack("<H", i) + _text(kind) + _text("ros2msg") + _text(text))
+                           for i, (kind, text, _) in enumerate(kinds, 1))
+    definitions += b"".join(_record(_CHANNEL, struct.pack("<HH", i, i) + _text(topic) + _text("cdr") + _map({}))
+                            for i, (_, _, topic) in enumerate(kinds, 1))
+    shown = numpy().diff(times // _VIEW_EVERY, prepend=0) > 0
+    for channel, view in enumerate(views, 2):
+        messages += view.messages(channel, reports[shown], times[shown], f"{name}_base")
+    metadata = _record(_METADATA, _text("knurl python") + _map({"device": device, "realtime_offset_ns": str(realtime_ns)}))
+    head = _MAGIC + _record(_HEADER, _text("") + _text(f"knurl for Python {__version__}")) + definitions
     data = head + messages + metadata
     first, last = (int(times.min()), int(times.max())) if len(times) else (0, 0)
-    counts = struct.pack("<QHIIIIQQ", len(times), 1, 1, 0, 1, 0, first, last)
-    counts += struct.pack("<IHQ", 10, 0, len(times))
+    each = [len(times)] + [int(shown.sum())] * len(views)
+    counts = struct.pack("<QHIIIIQQ", sum(each), len(each), len(each), 0, 1, 0, first, last)
+    counts += struct.pack("<I", 10 * len(each)) + b"".join(struct.pack("<HQ", i, n) for i, n in enumerate(each, 1))
     index = _record(_METADATA_INDEX, struct.pack("<QQ", len(data) - len(metadata), len(metadata)) + _text("knurl python"))
     data += _record(_DATA_END, struct.pack("<I", zlib.crc32(data)))
-    summary = schema + channel + _record(_STATISTICS, counts) + index
+    summary = definitions + _record(_STATISTICS, counts) + index
     footer = struct.pack("<BQQQ", _FOOTER, 20, len(data), 0)
     crc = zlib.crc32(footer, zlib.crc32(summary))
     with open(path, "wb") as file:

@@ -5,6 +5,7 @@ import importlib.util
 import os
 import re
 import shutil
+import sys
 import tempfile
 import unittest
 
@@ -13,6 +14,9 @@ from support import PACKAGE, PRESS, ServoCase, until
 
 import knurl
 from knurl import _mcap
+
+sys.path.insert(0, os.path.join(PACKAGE, "..", "..", "tests", "foxglove"))
+import ros2msg  # noqa: E402
 
 
 class Recordings(ServoCase):
@@ -70,8 +74,43 @@ class Recordings(ServoCase):
         self.assertEqual([name for name in head[0] if name in listed], listed)
 
     def test_the_schema_is_that_of_knurl_record(self):
-        with open(os.path.join(PACKAGE, "..", "..", "runtime", "recording", "src", "recording.cpp"), encoding="utf-8") as file:
+        with open(os.path.join(PACKAGE, "..", "..", "runtime", "messages", "src", "schemas.cpp"), encoding="utf-8") as file:
             self.assertIn(_mcap._DEFINITION, file.read())
+
+    def test_what_3d_views_need_is_what_the_reports_say(self):
+        recording, _ = self.recorded()
+        path = os.path.join(self.folder, "run.mcap")
+        recording.save(path)
+        schemas, topics, found = {}, {}, {}
+        with open(path, "rb") as file:
+            file.read(8)
+            for op, content in _mcap._records(file):
+                parts = _mcap._Content(content)
+                if op == 3:
+                    number, name, _ = parts.number("H"), parts.text(), parts.text()
+                    schemas[number] = ros2msg.parse(name, parts.text())
+                elif op == 4:
+                    number, schema = parts.number("H"), parts.number("H")
+                    topics[number] = (parts.text(), schemas[schema])
+                elif op == 5:
+                    topic, schema = topics[parts.number("H")]
+                    parts.number("I")
+                    found.setdefault(topic, []).append((parts.number("Q"), ros2msg.decode(*schema, content[22:])))
+        reports = found.pop("/premium15/report")
+        by_time = {ns: report for ns, report in reports}
+        self.assertEqual(set(found), {"/premium15/measured_cp", "/premium15/measured_cf", "/tf"})
+        for topic, parts in (("/premium15/measured_cp", ("pose", "position", "orientation", "position", "orientation")),
+                             ("/premium15/measured_cf", ("wrench", "force", "torque", "sent_force", "sent_torque")),
+                             ("/tf", ("transform", "translation", "rotation", "position", "orientation"))):
+            self.assertAlmostEqual(len(found[topic]), len(reports) / 10, delta=len(reports) / 50)
+            for ns, message in found[topic]:
+                if topic == "/tf":
+                    message, = message["transforms"]
+                    self.assertEqual(message["child_frame_id"], "premium15_hand")
+                stamp = message["header"]["stamp"]
+                self.assertEqual((stamp["sec"] * 10**9 + stamp["nanosec"], message["header"]["frame_id"]), (ns, "premium15_base"))
+                for part, member in zip(parts[1:3], parts[3:]):
+                    self.assertEqual(message[parts[0]][part], by_time[ns][member], topic)
 
     def test_a_file_that_was_cut_off(self):
         recording, _ = self.recorded()

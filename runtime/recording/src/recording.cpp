@@ -7,6 +7,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <knurl/messages/cdr.hpp>
+#include <knurl/messages/channels.hpp>
+#include <knurl/messages/messages.hpp>
 #include <knurl/protocol/attach.hpp>
 #include <knurl/recording/recording.hpp>
 #include <knurl/servo/asset_digest.hpp>
@@ -17,64 +20,22 @@ namespace knurl::recording {
 
 namespace {
 
-constexpr const char* report_topic = "/knurl/report";
+constexpr const char* former_report_topic = "/knurl/report";  // up to November 2026
 constexpr const char* inputs_topic = "/knurl/inputs";
 constexpr const char* metadata_name = "knurl";
 constexpr const char* missing_name = "knurl missing";
 constexpr std::size_t longest_word = 256;  // bytes of what the metadata says
+// Pose, wrench, twist, joints, buttons and transform are in each report already. They are there for 3D views and
+// plots by topic, which draw 60 times a second: at each cycle they would take more room than the reports do.
+constexpr std::int64_t view_every = 10'000'000;  // ns
 constexpr const char* asset_media_type = "application/x-knurl-asset";
 
 std::string asset_name(const protocol::AssetDigest& digest) {
     return fmt::format("asset-{:02x}", fmt::join(digest, ""));
 }
 
-// CDR aligns each field to its size and packs them in order, as the compiler does. So a report's bytes are
-// its encoding, after a header of four bytes.
-constexpr std::array cdr_little_endian{std::byte{0}, std::byte{1}, std::byte{0}, std::byte{0}};
-static_assert(sizeof(Report) == 47 * 8 && offsetof(Report, joints) == 4 * 8 &&
-              offsetof(Report, position) == 12 * 8 && offsetof(Report, velocity) == 19 * 8 &&
-              offsetof(Report, state) == 43 * 8 && offsetof(Report, late_count) == 45 * 8 &&
-              offsetof(Report, touches) == 46 * 8 + 4);
-
-const McapSchema& report_schema() {
-    static const McapSchema schema{
-        "knurl_msgs/msg/Report", "ros2msg",
-        R"(# What Knurl's servo publishes each cycle, of one device, in that device's own frame.
-uint64 cycle
-int64 deadline_ns   # CLOCK_MONOTONIC: when the cycle should have begun
-int64 read_ns       # when the joint sample had been read
-int64 write_ns      # when the efforts had been written
-float64[8] joints   # rad
-geometry_msgs/Vector3 position      # m
-knurl_msgs/Quaternion orientation
-geometry_msgs/Vector3 velocity      # m/s
-geometry_msgs/Vector3 slow_velocity # m/s
-geometry_msgs/Vector3 angular_velocity # rad/s
-geometry_msgs/Vector3 scene_force   # N, before the supervisor
-geometry_msgs/Vector3 scene_torque  # N m
-geometry_msgs/Vector3 sent_force    # N, after the supervisor
-geometry_msgs/Vector3 sent_torque   # N m
-geometry_msgs/Vector3 contact_point # m
-uint32 state        # 0 disconnected, 1 idle, 2 armed, 3 ramp up, 4 active, 5 ramp down, 6 fault
-uint32 faults       # bit mask
-uint32 buttons      # bit mask
-uint32 flags        # bit mask
-uint64 late_count   # cycles
-uint32 presses      # bit mask, a bit turned over by each press
-uint32 touches      # contacts that have begun
-================================================================================
-MSG: geometry_msgs/Vector3
-float64 x
-float64 y
-float64 z
-================================================================================
-MSG: knurl_msgs/Quaternion
-float64 w
-float64 x
-float64 y
-float64 z
-)"};
-    return schema;
+McapSchema mcap_schema(const messages::Schema& schema) {
+    return {schema.name, schema.encoding, schema.text};
 }
 
 /// All options: one that is missing here would be missing in a replay.
@@ -179,6 +140,15 @@ RecordingInfo info_of(const McapMetadata& all, const std::string& path) {
     return info;
 }
 
+// A report lies in its message as it lies in memory.
+constexpr std::size_t report_at = std::size(messages::CdrWriter::encapsulation);
+
+/// What a recording has of the channels that Foxglove is sent live.
+bool recorded(messages::Channel channel) {
+    using messages::Channel;
+    return channel != Channel::scene && channel != Channel::parameters && channel != Channel::diagnostics;
+}
+
 /// The header of a message of inputs.
 struct InputHead {
     std::uint16_t type = 0;  // servo::InputType; 0: a gap
@@ -189,15 +159,35 @@ static_assert(sizeof(InputHead) == 8);
 }  // namespace
 
 RecordingWriter::RecordingWriter(const std::string& path, const RecordingInfo& info, Existing existing)
-    : file_(path, "Knurl " + info.version, existing), offset_(info.realtime_offset_ns) {
-    reports_ = file_.add_channel(report_topic, "cdr", &report_schema());
+    : file_(path, "Knurl " + info.version, existing),
+      offset_(info.realtime_offset_ns),
+      device_(info.device),
+      joints_(info.joints) {
+    for (const messages::ChannelInfo& channel : messages::channels()) {
+        if (!recorded(channel.channel)) continue;
+        const McapSchema schema = mcap_schema(channel.schema());
+        channels_[channel.channel] = file_.add_channel(messages::topic(channel.channel, device_),
+                                                       std::string(channel.encoding), &schema);
+    }
     inputs_ = file_.add_channel(inputs_topic, "knurl", nullptr);
     file_.add_metadata(metadata_name, metadata_of(info));
 }
 
 void RecordingWriter::report(const Report& report) {
-    file_.message(reports_, report.read_ns + offset_, cdr_little_endian,
-                  std::as_bytes(std::span(&report, 1)));
+    const std::int64_t time = report.read_ns + offset_;
+    const auto write = [&](messages::Channel channel, const messages::Bytes& message) {
+        file_.message(channels_.at(channel), time, message, {});
+    };
+    using messages::Channel;
+    write(Channel::report, messages::report_message(report));
+    if (const std::int64_t view = time / view_every; std::exchange(view_, view) == view) return;
+    write(Channel::measured_cp, messages::pose_message(device_, time, report));
+    write(Channel::measured_cf, messages::wrench_message(device_, time, report));
+    write(Channel::measured_cv, messages::twist_message(device_, time, report));
+    if (joints_ > 0) write(Channel::measured_js, messages::joints_message(device_, time, report, joints_));
+    write(Channel::joy, messages::joy_message(device_, time, report));
+    const messages::HandTransform hand{.device = device_, .stamp_ns = time, .report = &report};
+    write(Channel::tf, messages::transforms_message(std::span(&hand, 1)));
 }
 
 void RecordingWriter::input(const servo::InputRecord& record) {
@@ -255,7 +245,8 @@ RecordingReader::RecordingReader(McapReader file, const std::string& path)
                 ? path + ": cut off before anything was recorded"
                 : path + ": an MCAP file, but none that knurl record made (it has no metadata 'knurl')");
     info_ = info_of(*metadata, path);
-    reports_ = file_.channel(report_topic);
+    reports_ = file_.channel(messages::topic(messages::Channel::report, info_.device));
+    if (reports_ == 0) reports_ = file_.channel(former_report_topic);
     inputs_ = file_.channel(inputs_topic);
     // Any build with the same report reads the reports; the servo's internal state is only for replay.
     if (file_.library() != "Knurl " + info_.version)
@@ -300,8 +291,8 @@ RecordingReader::Item RecordingReader::next() {
     };
     while (file_.next(message)) {
         if (message.channel == reports_) {
-            if (message.data.size() != cdr_little_endian.size() + sizeof report) throw changed();
-            std::memcpy(&report, message.data.data() + cdr_little_endian.size(), sizeof report);
+            if (message.data.size() != report_at + sizeof report) throw changed();
+            std::memcpy(&report, message.data.data() + report_at, sizeof report);
             return Item::report;
         }
         if (message.channel != inputs_) continue;

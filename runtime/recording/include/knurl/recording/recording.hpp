@@ -1,8 +1,10 @@
 #pragma once
-// A recording: an MCAP file with two channels and metadata about its origin.
+// A recording: an MCAP file with channels that Foxglove, Lichtblick and PlotJuggler show, one for replay, and metadata
+// about its origin.
 //
-//   /knurl/report   every report, as it lies in memory: ros2msg schema, cdr encoding; Foxglove and
-//                   PlotJuggler plot it
+//   /DEVICE/report  every report, as it lies in memory: ros2msg schema, cdr encoding
+//   /DEVICE/measured_cp, measured_cf, measured_cv, measured_js, joy, /tf
+//                   the report in the types of ROS 2 (messages/channels.hpp), 100 times a second
 //   /knurl/inputs   every input of Servo::step (knurl/servo/input_log.hpp): u16 type, six zero bytes, the record's
 //                   bytes; type 0: records are missing here. Only for `knurl replay`
 //   attachment "asset-DIGEST"  an application's asset (protocol/asset.hpp), by its SHA-256, once each
@@ -14,11 +16,13 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <set>
 #include <span>
 #include <string>
 #include <vector>
 
+#include <knurl/messages/channels.hpp>
 #include <knurl/protocol/asset.hpp>
 #include <knurl/protocol/report.hpp>
 #include <knurl/recording/mcap.hpp>
@@ -32,7 +36,8 @@ struct RecordingInfo {
     // protocol::wire_hash, servo::input_log_layout, servo::figures_of
     std::uint64_t wire = 0, input_log_layout = 0, figures = 0;
     std::string servo, device, address, profile;
-    std::string cause;  // if salvaged: why the servo ended
+    std::string cause;         // if salvaged: why the servo ended
+    std::uint32_t joints = 0;  // of a writer: how many are sensed; 0: not known
     std::int64_t realtime_offset_ns = 0;
     servo::ServoOptions options;
 };
@@ -66,7 +71,11 @@ class RecordingWriter {
   private:
     McapWriter file_;
     std::int64_t offset_, last_ = 0;  // ns
-    std::uint16_t reports_ = 0, inputs_ = 0;
+    std::string device_;
+    std::uint32_t joints_;
+    std::map<messages::Channel, std::uint16_t> channels_;
+    std::uint16_t inputs_ = 0;
+    std::int64_t view_ = -1;  // when the last pose was written, in its intervals
     std::uint64_t dropped_ = 0;
     std::set<protocol::AssetDigest> assets_, missing_;
 };
