@@ -172,7 +172,10 @@ Json client_json(const view::ClientRates& rates) {
             {"merged", client.merged},
             {"missed", client.missed},
             {"representations", std::move(present)},
-            {"scales", Json::array({client.scales.contacts, client.scales.effects, client.scales.damping})}};
+            {"scales",
+             {{"contacts", client.scales.contacts},
+              {"effects", client.scales.effects},
+              {"damping", client.scales.damping}}}};
 }
 
 const view::ClientView* client_in(const SeenDevice& seen, std::uint32_t row) {

@@ -466,7 +466,9 @@ export class Mock {
         const device = this.devices[Number(url.searchParams.get("device"))];
         const asset = device.assets.size + 1;
         device.assets.set(asset, mesh(2000));
-        return give(200, "application/json", JSON.stringify({ ok: true, asset, triangles: 2000 }));
+        const said = { op: "asset", device: Number(url.searchParams.get("device")), name: url.searchParams.get("name"), ok: true, asset, triangles: 2000, faces: 2000, notes: "" };
+        setTimeout(() => this.sockets.forEach((socket) => socket.send(JSON.stringify(said))), 50);
+        return give(200, "application/json", JSON.stringify({ ok: true }));
       }
       const asset = /^\/asset\/(\d+)\/(\d+)\/(\d+)$/.exec(url.pathname);
       if (asset) {

@@ -11,6 +11,7 @@ import {
   type Kind,
   type Message,
   type Reports,
+  type SentMesh,
   type Servo,
   felt as flag,
   stateName,
@@ -62,7 +63,7 @@ export function itemKey(claim: number, slot: number): string {
 }
 
 type Listener = () => void;
-export type Topic = "hello" | "servo" | "scene" | "status" | "recording" | "link" | "selected";
+export type Topic = "hello" | "servo" | "scene" | "status" | "recording" | "link" | "selected" | "asset";
 
 export class Model {
   hello: Hello | null = null;
@@ -71,6 +72,8 @@ export class Model {
   kinds = new Map<string, Kind>();
   /** A recording that is looked at in place of the servo. */
   recording: Device | null = null;
+  /** The newest of its kind. */
+  sentMesh: SentMesh | null = null;
   /** Seconds at which the recording is looked at. */
   cursor = 0;
   selected = 0;
@@ -191,6 +194,10 @@ export class Model {
         break;
       case "note":
         this.note(message.level, message.text);
+        break;
+      case "asset":
+        this.sentMesh = message;
+        this.tell("asset");
         break;
       case "answer":
         break;

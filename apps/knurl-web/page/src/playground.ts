@@ -168,6 +168,8 @@ export class Playground {
   private readonly local = new Map<string, Params>();
   private touchedAt = 0;
   private readonly files = new Map<string, ExportedAsset>();
+  /** The file of a mesh that the servo builds. */
+  private sending: { file: string; unit: string } | null = null;
 
   constructor(
     private readonly model: Model,
@@ -204,6 +206,7 @@ export class Playground {
     model.on("hello", () => this.kinds());
     model.on("scene", () => this.show());
     model.on("selected", () => this.show());
+    model.on("asset", () => void this.meshArrived());
   }
 
   private get device(): Device | undefined {
@@ -507,20 +510,40 @@ export class Playground {
     try {
       const answer = await fetch(`./mesh?device=${device.info.i}&name=${encodeURIComponent(file.name)}&unit=${unit}`, { method: "POST", body: file });
       const text = await answer.text();
-      let said: { ok?: boolean; error?: string; asset?: number; triangles?: number } = {};
+      let said: { ok?: boolean; error?: string } = {};
       try {
         said = JSON.parse(text);
       } catch {
         // no JSON: the status says enough
       }
-      if (!answer.ok || !said.ok || typeof said.asset !== "number") throw new Error(said.error ?? `refused (${answer.status})`);
-      this.files.set(`${device.info.i}:${said.asset}`, { number: said.asset, file: file.name, unit });
-      setText(byId("mesh-state"), `${file.name}: ${said.triangles} triangles, asset ${said.asset}.`);
-      const reach = this.reach(device);
-      await this.add("shape", { asset: said.asset, position: reach.centre, stiffness: stiff(reach, 0.3), damping: 1 });
+      if (!answer.ok || !said.ok) throw new Error(said.error ?? `refused (${answer.status})`);
+      this.sending = { file: file.name, unit };
+      setText(byId("mesh-state"), `${file.name} is being read and built ...`);
     } catch (error) {
       setText(byId("mesh-state"), "");
       say("error", `${file.name}: ${(error as Error).message}`);
+    }
+  }
+
+  /** The servo has the mesh, or has refused it. */
+  private async meshArrived(): Promise<void> {
+    const said = this.model.sentMesh;
+    const device = said && this.model.devices.get(said.device);
+    if (!said || !device || !this.sending) return;
+    const { file, unit } = this.sending;
+    this.sending = null;
+    if (!said.ok || said.asset === undefined) {
+      setText(byId("mesh-state"), "");
+      say("error", `${file}: ${said.error ?? "refused"}`);
+      return;
+    }
+    this.files.set(`${said.device}:${said.asset}`, { number: said.asset, file, unit });
+    setText(byId("mesh-state"), `${file}: ${said.triangles} triangles, asset ${said.asset}.${said.notes ? ` ${said.notes}` : ""}`);
+    const reach = this.reach(device);
+    try {
+      await this.add("shape", { asset: said.asset, position: reach.centre, stiffness: stiff(reach, 0.3), damping: 1 });
+    } catch (error) {
+      say("error", `${file}: ${(error as Error).message}`);
     }
   }
 

@@ -140,6 +140,20 @@ export interface DeviceStatus {
   counters: Record<string, number>;
   clients: Client[];
 }
+/** What became of a file of a mesh. */
+export interface SentMesh {
+  op: "asset";
+  device: number;
+  name: string;
+  ok: boolean;
+  error?: string;
+  asset?: number;
+  triangles?: number;
+  faces?: number;
+  low?: Vec;
+  high?: Vec;
+  notes?: string;
+}
 export interface Answer {
   op: "answer";
   id: number;
@@ -155,6 +169,7 @@ export type Message =
   | { op: "felt"; device: number; items: Felt[] }
   | { op: "status"; devices: DeviceStatus[] }
   | Answer
+  | SentMesh
   | { op: "note"; level: "info" | "warning" | "error"; text: string };
 
 /** Flags of `felt`. */
