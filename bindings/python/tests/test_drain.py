@@ -37,17 +37,13 @@ class Drain(ServoCase):
             one, many = (self.claimed(shared=True, **options) for _ in range(2))
             table = self.drained(many, 600)
             self.assertGreaterEqual(len(table), 600)
-            report = one.next_report(20)
-            compared = 0
+            singly = {}
+            while max(singly, default=0) < table["cycle"][-1]:  # before they are compared, which takes longer than they are kept
+                report = one.next_report(20)
+                singly[report.cycle] = report
             for row in table:
-                while report.cycle < row["cycle"]:
-                    report = one.next_report(20)
-                if report.cycle != row["cycle"]:
-                    continue
-                compared += 1
                 for name in FIELDS:
-                    self.assertEqual(numbers(row[name]), numbers(getattr(report, name)), name)
-            self.assertGreaterEqual(compared, 600)
+                    self.assertEqual(numbers(row[name]), numbers(getattr(singly[row["cycle"]], name)), name)
             self.assertEqual(int(table["size"][-1]), table.itemsize)
             self.assertEqual(int(table["unread"][-1]), 0)
             one.close()
