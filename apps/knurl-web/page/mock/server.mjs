@@ -3,7 +3,7 @@
 //
 //     node mock/server.mjs [--port 8765] [--role control] [--bundle ../bundle]
 //
-// POST /mock?do=NAME makes something happen: plane, hundred, mesh, fault, buzz, calm, silent, restart, drop, forget, garbage.
+// POST /mock?do=NAME makes something happen: plane, move, show, hundred, mesh, fault, buzz, calm, silent, away, down, drop, forget, garbage, note.
 import { readFileSync } from "node:fs";
 import { createServer } from "node:http";
 import { dirname, join, resolve } from "node:path";
@@ -367,6 +367,17 @@ export class Mock {
         const number = device.assets.size + 1;
         device.assets.set(number, mesh(Number(query.get("triangles") ?? 100000)));
         return this.put(device, claim, "shape", { asset: number, position: [0, 0, -0.03], stiffness: 800, shading: query.get("shading") ?? "flat" });
+      }
+      case "show": {
+        // Something to look at.
+        const other = this.claimOf(device, { name: "molecule", pid: 5400 });
+        this.put(device, claim, "plane", { offset: 0.008, stiffness: 300, damping: 1 });
+        this.put(device, claim, "sphere", { center: [0.03, -0.05, -0.012], radius: 0.022, stiffness: 500, damping: 1 });
+        this.put(device, claim, "box", { center: [-0.04, 0.055, 0], half_size: [0.018, 0.018, 0.012], orientation: [0.95, 0, 0, 0.31], stiffness: 600 });
+        this.put(device, claim, "torus", { center: [-0.045, -0.045, 0.01], axis: [0.5, 0.3, 1], radius: 0.02, tube: 0.006, stiffness: 400 });
+        this.put(device, other, "spring", { anchor: [0.02, 0.06, 0.055], stiffness: 6 });
+        this.put(device, other, "taylor", { origin: [-0.01, 0.01, 0.055], jacobian: [-3, 2, 0, -2, -3, 0, 0, 0, -3], radius: 0.035 });
+        return {};
       }
       case "clear":
         for (const item of [...device.items.values()]) this.drop(device, item.claim, item.slot);

@@ -52,12 +52,19 @@ class Chart {
   readonly box: HTMLElement;
   private readonly holder: HTMLElement;
   thresholds: Threshold[] = [];
+  private width = 0;
+  private height = 0;
   constructor(
     readonly spec: Spec,
     private readonly charts: Charts,
   ) {
     this.holder = el("div.plot");
     this.box = el("figure.chart", { id: `chart-${spec.id}`, "aria-label": `${spec.title} in ${spec.unit} over time` }, el("figcaption", {}, spec.title, el("span.unit", {}, ` ${spec.unit}`), el("span.legend")), this.holder);
+  }
+  /** Asking for it in each frame would lay the page out in each. */
+  measure(): void {
+    this.width = this.holder.clientWidth;
+    this.height = this.holder.clientHeight;
   }
   reset(): void {
     this.plot?.destroy();
@@ -79,8 +86,8 @@ class Chart {
     const axis: uPlot.Axis = { stroke: p.text, grid: { stroke: p.lines, width: 1 }, ticks: { show: false }, font: "10px system-ui, sans-serif" };
     this.plot = new uPlot(
       {
-        width: Math.max(80, this.holder.clientWidth),
-        height: Math.max(40, this.holder.clientHeight),
+        width: Math.max(80, this.width),
+        height: Math.max(40, this.height),
         legend: { show: false },
         padding: [6, 10, 0, 0],
         cursor: { sync: { key: "knurl" }, drag: { x: true, y: false }, points: { size: 5 } },
@@ -149,7 +156,7 @@ class Chart {
     ctx.restore();
   }
   draw(device: Device): void {
-    if (!this.holder.clientWidth) return;
+    if (!this.width) return;
     const [t0, t1] = this.charts.window();
     const origin = this.charts.origin();
     const { spec } = this;
@@ -161,7 +168,7 @@ class Chart {
         this.labels = labels.join();
         this.build(labels, spec.columns.length > 2 ? palette().axes : tints);
       }
-      const buckets = Math.max(60, Math.min(400, Math.round(this.holder.clientWidth / 2)));
+      const buckets = Math.max(60, Math.min(400, Math.round(this.width / 2)));
       const thin = device.history.thin(t0, t1, buckets, spec.columns.map((column) => column.name));
       for (const [c, column] of spec.columns.entries()) if (column.factor !== 1) for (let k = 0; k < thin.values[c].length; k++) thin.values[c][k] *= column.factor;
       for (let k = 0; k < thin.t.length; k++) thin.t[k] -= origin;
@@ -180,8 +187,7 @@ class Chart {
         ...labels.map((key) => samples.map((sample) => (spec.status === "age" ? (sample.age.get(key) === undefined ? null : sample.age.get(key)! * 1e3) : (sample.parts[key] ?? null)))),
       ];
     }
-    if (this.plot!.width !== this.holder.clientWidth || this.plot!.height !== this.holder.clientHeight)
-      this.plot!.setSize({ width: this.holder.clientWidth, height: this.holder.clientHeight });
+    if (this.plot!.width !== this.width || this.plot!.height !== this.height) this.plot!.setSize({ width: this.width, height: this.height });
     this.plot!.setData(data, true);
   }
   get canvas(): HTMLCanvasElement | null {
@@ -274,6 +280,7 @@ export class Charts {
     this.charts[this.turn].draw(device);
   }
   resize(): void {
+    for (const chart of this.charts) chart.measure();
     const device = this.model.current();
     if (device) for (const chart of this.charts) chart.draw(device);
   }

@@ -31,7 +31,10 @@ const connection: Connection = new Connection(where.href, {
     banner.hidden = state === "open";
     banner.dataset.state = state;
     if (state === "open") {
-      if (connection.reconnects > 0) say("info", "Connected again.");
+      if (connection.reconnects > 0) {
+        view.forgetAssets();
+        say("info", "Connected again.");
+      }
       return;
     }
     if (state === "lost") {
@@ -54,6 +57,7 @@ const charts = new Charts(model);
 const panel = new Panel(model, () => connection);
 const playground = new Playground(model, () => connection);
 const player = new Player(model);
+model.forgetting = () => playground.remember();
 
 // ---- the mouse as a hand: one request at a time, the newest target wins
 let pulling: { device: number; target: [number, number, number] | null } | null = null;

@@ -29,6 +29,8 @@ export interface SeenItem extends Item {
 export class Device {
   readonly history: History;
   frame: DeviceFrame | null = null;
+  /** Reports that knurl-web did not see. */
+  unseen = 0;
   status: DeviceStatus | null = null;
   readonly claims = new Map<number, Claim>();
   readonly items = new Map<string, SeenItem>();
@@ -77,6 +79,8 @@ export class Model {
   /** Seconds at which the recording is looked at. */
   cursor = 0;
   selected = 0;
+  /** Called before a scene is forgotten. */
+  forgetting: () => void = () => {};
   note: (level: string, text: string) => void = () => {};
   private readonly listeners = new Map<Topic, Listener[]>();
 
@@ -109,6 +113,7 @@ export class Model {
 
   /** What was known of a servo that is gone. */
   forget(): void {
+    this.forgetting();
     for (const device of this.devices.values()) {
       if (device.claims.size || device.items.size) device.version++;
       device.claims.clear();
@@ -131,7 +136,9 @@ export class Model {
       case "frame":
         for (const frame of message.devices) {
           const device = this.devices.get(frame.i);
-          if (device) device.frame = frame;
+          if (!device) continue;
+          device.frame = frame;
+          device.unseen += frame.gap ?? 0;
         }
         break;
       case "scene": {

@@ -209,7 +209,7 @@ export class Panel {
     setText(
       facts,
       status
-        ? `${status.rate.toFixed(1)} of ${device!.info.rate} Hz · busy ${(100 * status.busy).toFixed(2)} % · cycle ${status.step.toFixed(1)} µs\nlateness median ${status.late_median.toFixed(1)} µs, at most ${status.late_max.toFixed(1)} µs · ${status.late} late cycles · ${status.overruns} overruns\ncycle µs: ${parts}`
+        ? `${status.rate.toFixed(1)} of ${device!.info.rate} Hz · busy ${(100 * status.busy).toFixed(2)} % · cycle ${status.step.toFixed(1)} µs\nlateness median ${status.late_median.toFixed(1)} µs, at most ${status.late_max.toFixed(1)} µs · ${status.late} late cycles · ${status.overruns} overruns${device!.unseen ? ` · ${device!.unseen} reports not seen here` : ""}\ncycle µs: ${parts}`
         : "No servo is connected.",
     );
     facts.classList.toggle("bad", !!status && status.rate < 0.98 * device!.info.rate);

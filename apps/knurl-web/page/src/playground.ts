@@ -167,6 +167,8 @@ export class Playground {
   private readonly waiting = new Map<string, { device: number; slot: number; params: Params; busy: boolean }>();
   private readonly local = new Map<string, Params>();
   private touchedAt = 0;
+  /** What this page had on a device when the connection or the servo was lost, by the device's name. */
+  private readonly lost = new Map<string, SeenItem[]>();
   private readonly files = new Map<string, ExportedAsset>();
   /** The file of a mesh that the servo builds. */
   private sending: { file: string; unit: string } | null = null;
@@ -179,6 +181,7 @@ export class Playground {
       ...presets.map((preset) => el("button.small", { type: "button", "data-preset": preset.name, click: () => void this.addPreset(preset) }, preset.name)),
     );
     byId("add").addEventListener("click", () => void this.addKind());
+    byId("restore").addEventListener("click", () => void this.restore());
     byId("clear").addEventListener("click", () => void this.clear());
     byId("arm-mine").addEventListener("click", () => void this.ask("arm"));
     for (const [id, name, make] of [["to-toml", "scene.toml", toToml], ["to-cpp", "scene.cpp", toCpp], ["to-python", "scene.py", toPython]] as const)
@@ -284,7 +287,26 @@ export class Playground {
   }
   private async clear(): Promise<void> {
     const device = this.device;
-    if (device) await this.request("clear", { device: device.info.i });
+    if (!device) return;
+    this.lost.delete(device.info.name);
+    await this.request("clear", { device: device.info.i });
+  }
+
+  /** Before the model forgets: what this page had ends with its socket, and with the servo. */
+  remember(): void {
+    for (const device of this.model.devices.values()) {
+      const claim = device.mine();
+      const items = claim ? this.model.itemsOf(device, claim.claim).filter((item) => item.kind !== "shape") : [];
+      if (items.length) this.lost.set(device.info.name, items);
+    }
+  }
+  private async restore(): Promise<void> {
+    const device = this.device;
+    const items = device && this.lost.get(device.info.name);
+    if (!device || !items) return;
+    this.lost.delete(device.info.name);
+    for (const item of items) await this.request("add", { device: device.info.i, kind: item.kind, params: item.params, probe: item.probe });
+    this.show();
   }
 
   // ---- changes
@@ -335,6 +357,7 @@ export class Playground {
     const mine = device?.mine();
     const items = device && mine ? this.model.itemsOf(device, mine.claim) : [];
     if (this.slot === null || !items.some((item) => item.slot === this.slot)) this.slot = items.length ? items[items.length - 1].slot : null;
+    byId("lost-box").hidden = !(device && this.lost.has(device.info.name) && items.length === 0);
     const list = byId("items");
     const listed = items.map((item) => `${item.slot}:${item.kind}:${item.slot === this.slot}`).join() + String(items.length);
     if (listed !== this.listed) {

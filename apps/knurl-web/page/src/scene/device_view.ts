@@ -1,9 +1,9 @@
 // One device: workspace, arm, hand, probes, contact, arrows, trail, and the claims with what they have added. In the device's frame.
 import {
-  ArrowHelper,
   BufferAttribute,
   BufferGeometry,
   ConeGeometry,
+  CylinderGeometry,
   DynamicDrawUsage,
   Group,
   Line,
@@ -48,8 +48,8 @@ export class DeviceView {
   private readonly ring: Mesh;
   private readonly contact: Mesh;
   private readonly proxy: LineSegments;
-  private readonly force = new ArrowHelper(new Vector3(0, 0, 1), new Vector3(), 0.01, 0xffffff);
-  private readonly sceneForce = new ArrowHelper(new Vector3(0, 0, 1), new Vector3(), 0.01, 0xffffff);
+  private readonly force = new Arrow();
+  private readonly sceneForce = new Arrow();
   private readonly torque = new Group();
   private readonly pull: LineSegments;
   private readonly arm = new Group();
@@ -86,8 +86,8 @@ export class DeviceView {
     this.floor = named(lines(floorGrid(), new LineBasicMaterial({ transparent: true, opacity: 0.6 })), "floor");
     this.floor.position.set(centre[0], centre[1], centre[2] - radius);
     this.floor.scale.setScalar(radius);
-    named(this.force, "force");
-    named(this.sceneForce, "scene_force");
+    named(this.force.root, "force");
+    named(this.sceneForce.root, "scene_force");
     named(this.arm, "arm");
     this.armLine = new Line(new BufferGeometry(), new LineBasicMaterial());
     this.arm.add(this.armLine);
@@ -102,7 +102,7 @@ export class DeviceView {
     trail.setAttribute("color", new BufferAttribute(new Float32Array(3 * trailPoints), 3).setUsage(DynamicDrawUsage));
     this.trail = named(new Line(trail, new LineBasicMaterial({ vertexColors: true })), "trail");
     for (const object of [this.trail, this.proxy, this.pull, this.armLine]) object.frustumCulled = false;
-    this.root.add(this.workspace, this.floor, this.arm, this.trail, this.proxy, this.pull, this.contact, this.force, this.sceneForce, this.torque, this.ring, this.hand);
+    this.root.add(this.workspace, this.floor, this.arm, this.trail, this.proxy, this.pull, this.contact, this.force.root, this.sceneForce.root, this.torque, this.ring, this.hand);
     this.colour();
   }
 
@@ -116,8 +116,8 @@ export class DeviceView {
     (this.workspace.material as LineBasicMaterial).color.setHex(p.workspace);
     (this.floor.material as LineBasicMaterial).color.setHex(p.grid);
     (this.armLine.material as LineBasicMaterial).color.setHex(p.arm);
-    this.force.setColor(p.force);
-    this.sceneForce.setColor(p.grid);
+    this.force.paint(p.force);
+    this.sceneForce.paint(p.workspace);
     for (const child of this.torque.children) ((child as Mesh).material as MeshLambertMaterial).color.setHex(p.torque);
     for (const drawn of this.drawn.values()) drawn.look = "";
   }
@@ -236,7 +236,7 @@ export class DeviceView {
       paint.set(now_ === "asleep" ? colours.asleep : colour, now_ === "faded" ? 0.25 : now_ === "asleep" ? 0.5 : now_ === "touched" ? 1.7 : 1);
       drawing.root.userData.mood = now_;
     }
-    for (const object of [this.hand, this.ring, this.force, this.sceneForce, this.arm]) object.visible = frame !== null;
+    for (const object of [this.hand, this.ring, this.force.root, this.sceneForce.root, this.arm]) object.visible = frame !== null;
     this.contact.visible = this.proxy.visible = this.torque.visible = this.pull.visible = false;
     this.updateTrail(until);
     if (!frame) return;
@@ -259,10 +259,12 @@ export class DeviceView {
       this.contact.position.set(...frame.contact);
       join(this.proxy, this.place, this.contact.position);
     }
-    arrow(this.force, this.place, frame.force, info.radius / (info.peak_force || 8));
-    arrow(this.sceneForce, this.place, frame.scene_force, info.radius / (info.peak_force || 8));
+    // The strongest force is as long as the workspace is wide.
+    const length = (2 * info.radius) / (info.peak_force || 8);
+    this.force.point(this.place, frame.force, length, 0.012 * info.radius);
+    this.sceneForce.point(this.place, frame.scene_force, length, 0.006 * info.radius);
     // Where the supervisor takes nothing away both are one.
-    if (Math.hypot(...frame.scene_force.map((f, k) => f - frame.force[k])) < 0.02 * (info.peak_force || 8)) this.sceneForce.visible = false;
+    if (Math.hypot(...frame.scene_force.map((f, k) => f - frame.force[k])) < 0.02 * (info.peak_force || 8)) this.sceneForce.root.visible = false;
     const torque = Math.hypot(...frame.torque);
     this.torque.visible = torque > 1e-3;
     if (this.torque.visible) {
@@ -369,16 +371,31 @@ function join(line: LineSegments, from: Vector3, to: Vector3): void {
   line.quaternion.setFromUnitVectors(new Vector3(0, 0, 1), d.divideScalar(length));
   line.scale.set(1, 1, length);
 }
-function arrow(helper: ArrowHelper, at: Vector3, force: ArrayLike<number>, scale: number): void {
-  const f = new Vector3(force[0], force[1], force[2]);
-  const size = f.length();
-  helper.visible = size * scale > 1e-3 * scale && size > 5e-3;
-  if (!helper.visible) return;
-  const length = size * scale;
-  helper.position.copy(at);
-  helper.setDirection(f.divideScalar(size));
-  const head = Math.min(0.4 * length, 0.14 * scale * 8);
-  helper.setLength(length, head, 0.5 * head);
+/** A shaft and a head along a force. */
+class Arrow {
+  readonly root = new Group();
+  private readonly material = new MeshLambertMaterial();
+  private readonly shaft = new Mesh(new CylinderGeometry(1, 1, 1, 10).translate(0, 0.5, 0).rotateX(Math.PI / 2), this.material);
+  private readonly head = new Mesh(new ConeGeometry(2.6, 1, 14).translate(0, -0.5, 0).rotateX(Math.PI / 2), this.material);
+  constructor() {
+    this.root.add(this.shaft, this.head);
+  }
+  paint(colour: number): void {
+    this.material.color.setHex(colour);
+  }
+  point(at: Vector3, force: ArrayLike<number>, scale: number, width: number): void {
+    const f = new Vector3(force[0], force[1], force[2]);
+    const size = f.length();
+    this.root.visible = size > 5e-3;
+    if (!this.root.visible) return;
+    const length = size * scale;
+    const head = Math.min(0.6 * length, 7 * width);
+    this.root.position.copy(at);
+    this.root.quaternion.setFromUnitVectors(new Vector3(0, 0, 1), f.divideScalar(size));
+    this.shaft.scale.set(width, width, Math.max(1e-9, length - head));
+    this.head.position.z = length;
+    this.head.scale.set(width, width, head);
+  }
 }
 
 /** Three circles and two parallels of a ball. */

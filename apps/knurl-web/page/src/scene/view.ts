@@ -10,6 +10,7 @@ import {
   type Object3D,
   PerspectiveCamera,
   Plane,
+  Quaternion,
   Raycaster,
   Scene,
   Vector2,
@@ -57,6 +58,9 @@ export class View {
   private readonly gizmo: CanvasRenderingContext2D | null;
   hovered = "";
   private by: string | null = null;
+  /** Of the canvas; asking for it in each frame would lay the page out in each. */
+  private height = 1;
+  private turnedTo = new Quaternion(0, 0, 0, 0);
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
@@ -88,6 +92,7 @@ export class View {
   private colour(): void {
     this.scene.background = new Color(palette().background);
     for (const view of this.views.values()) view.colour();
+    this.turnedTo.set(0, 0, 0, 0);
   }
 
   // ---- assets
@@ -189,6 +194,7 @@ export class View {
   resize(): void {
     const { clientWidth: width, clientHeight: height } = this.canvas;
     if (!width || !height) return;
+    this.height = height;
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
     this.renderer?.setSize(width, height, false);
@@ -239,7 +245,7 @@ export class View {
     const device = this.model.current();
     if (!device) return;
     const distance = this.camera.position.distanceTo(this.controls.target);
-    const perPixel = (2 * distance * Math.tan((this.camera.fov * Math.PI) / 360)) / (this.canvas.clientHeight || 1);
+    const perPixel = (2 * distance * Math.tan((this.camera.fov * Math.PI) / 360)) / this.height;
     const wanted = 110 * perPixel;
     const power = 10 ** Math.floor(Math.log10(wanted));
     const length = [5, 2, 1].map((k) => k * power).find((x) => x <= wanted) ?? power;
@@ -250,7 +256,8 @@ export class View {
   }
   private drawGizmo(): void {
     const g = this.gizmo;
-    if (!g) return;
+    if (!g || this.turnedTo.equals(this.camera.quaternion)) return;
+    this.turnedTo.copy(this.camera.quaternion);
     const size = 132;
     if (this.parts.gizmo.width !== size) this.parts.gizmo.width = this.parts.gizmo.height = size;
     g.clearRect(0, 0, size, size);
