@@ -31,6 +31,7 @@ int main(int argc, char** argv) {
     knurl::cli::add_record(program);
     knurl::cli::add_replay(program);
     knurl::cli::add_reset(program);
+    knurl::cli::add_web(program);
     knurl::cli::add_devices(program);
     knurl::cli::add_device(program);
     return knurl::commandline::run(program, argc, argv);

@@ -4,7 +4,7 @@
 #include <knurl/commandline/command.hpp>
 #include <knurl/protocol/servo_address.hpp>
 
-namespace knurl::view {}  // namespace knurl::view
+namespace knurl::view {}  // <knurl/view/...>: what several programs show of a servo
 
 namespace knurl::cli {
 
@@ -25,6 +25,7 @@ void add_device(commandline::Command& program);
 void add_record(commandline::Command& program);
 void add_replay(commandline::Command& program);
 void add_reset(commandline::Command& program);
+void add_web(commandline::Command& program);
 void add_device_check(commandline::Command& device);
 void add_device_test(commandline::Command& device);
 

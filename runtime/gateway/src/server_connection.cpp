@@ -325,6 +325,7 @@ class Connection final : public Peer, public std::enable_shared_from_this<Connec
             return refuse(
                 {431, fmt::format("a request has at most {} bytes before its body", core_.options.most_head),
                  "head"});
+        if (error == http::error::body_limit) return refuse({413, "no body is as long as that here", "body"});
         if (error == http::error::end_of_stream || error == http::error::partial_message ||
             (error && !is_http(error)))
             return finish();
@@ -355,9 +356,9 @@ class Connection final : public Peer, public std::enable_shared_from_this<Connec
         const auto& request = parser_->get();
         if (request.count(http::field::host) != 1) return Refusal{400, "a request has one Host", "head"};
         const std::string host = lower(view(request[http::field::host]));
-        if (std::find(listener_->names.begin(), listener_->names.end(), host) != listener_->names.end() ||
-            host == own_address())
+        if (std::find(listener_->names.begin(), listener_->names.end(), host) != listener_->names.end())
             return {};
+        if (!host.empty() && host == own_address()) return {};
         return Refusal{403,
                        fmt::format("Host {} is not a name of this server; start it with --host NAME if it is",
                                    in_quotes(host)),
@@ -377,9 +378,9 @@ class Connection final : public Peer, public std::enable_shared_from_this<Connec
     std::optional<Refusal> foreign_origin(const Access& access) {
         const auto& request = parser_->get();
         const std::size_t count = request.count(http::field::origin);
+        allowed_origin_.clear();
         if (count == 0) return {};
         const std::string_view origin = view(request[http::field::origin]);
-        allowed_origin_.clear();
         if (count == 1) {
             if (lower(origin) ==
                 fmt::format("{}://{}", listener_->scheme, lower(view(request[http::field::host]))))

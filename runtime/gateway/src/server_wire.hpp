@@ -16,6 +16,7 @@
 #include <boost/asio/ssl.hpp>
 #include <boost/beast/core/bind_handler.hpp>
 #include <boost/beast/core/role.hpp>
+#include <boost/beast/websocket/ssl.hpp>
 #include <boost/beast/websocket/teardown.hpp>
 
 namespace knurl::gateway {
@@ -84,7 +85,7 @@ class Wire {
     std::unique_ptr<All> all_;  // TLS refers to the socket, so it stays where it is
 };
 
-// What Beast calls at the end of a WebSocket. The closing frames have said all: TLS says no goodbye of its own.
+// What Beast calls at the end of a WebSocket.
 inline void beast_close_socket(Wire& wire) {
     wire.close();
 }
@@ -93,7 +94,10 @@ inline void teardown(beast::role_type role, Wire& wire, boost::system::error_cod
 }
 template <class Handler>
 void async_teardown(beast::role_type role, Wire& wire, Handler&& handler) {
-    beast::websocket::async_teardown(role, wire.plain(), std::forward<Handler>(handler));
+    if (wire.secret())
+        beast::async_teardown(role, wire.tls(), std::forward<Handler>(handler));
+    else
+        beast::websocket::async_teardown(role, wire.plain(), std::forward<Handler>(handler));
 }
 
 }  // namespace knurl::gateway
