@@ -206,7 +206,7 @@ int main(int argc, char** argv) {
                        .type_name("PORT")
                        .shows_default();
     app.option("--inverse-device", said.settings.inverse_devices,
-               "A device that its clients may move; may be repeated. Without it, any")
+               "A device that its clients may move; may be repeated. Without it, the simulated ones")
         .type_name("NAME");
     app.flag("--no-inverse", said.no_inverse, "Without the Inverse Service");
     app.option("--tls-certificate", said.certificate,

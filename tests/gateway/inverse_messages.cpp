@@ -284,9 +284,22 @@ TEST(InverseClaimable, a_device_that_is_not_named_can_be_read_alone) {
     EXPECT_EQ(fake.socket.answer()["inverse3"][0]["config"]["knurl"]["claimable"], false);
     fake.session->text(
         R"({"inverse3":[{"device_id":"049D","commands":{"set_cursor_force":{"vector":{"x":1,"y":0,"z":0}}}}]})");
-    EXPECT_NE(fake.socket.answer()["knurl"]["said"][0].get<std::string>().find("'right' is not among those"),
+    EXPECT_NE(fake.socket.answer()["knurl"]["said"][0].get<std::string>().find(
+                  "'right' can be read here, not moved"),
               std::string::npos);
     EXPECT_FALSE(fake.told.alive);
+}
+
+TEST(InverseClaimable, motors_that_nobody_has_named_stay_still) {
+    FakeService fake;
+    fake.source->list[0].info.address = "falcon:";
+    fake.start();
+    EXPECT_EQ(fake.socket.answer()["inverse3"][0]["config"]["knurl"]["claimable"], false);
+    FakeService named;
+    named.source->list[0].info.address = "falcon:";
+    named.adjust.claimable = std::vector<std::string>{"right"};
+    named.start();
+    EXPECT_EQ(named.socket.answer()["inverse3"][0]["config"]["knurl"]["claimable"], true);
 }
 
 TEST(InverseWithoutServo, a_client_gets_empty_lists) {

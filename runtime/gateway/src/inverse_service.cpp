@@ -143,8 +143,8 @@ const InverseDevice* InverseService::find(std::string_view id) const {
 }
 
 bool InverseService::claimable(const InverseDevice& device) const {
-    return !options_.claimable ||
-           std::ranges::find(*options_.claimable, device.info.name) != options_.claimable->end();
+    if (!options_.claimable) return device.info.address.starts_with("sim:");
+    return std::ranges::find(*options_.claimable, device.info.name) != options_.claimable->end();
 }
 
 std::unique_ptr<PeerCommands> InverseService::make_hand(const InverseDevice& device, const std::string& peer,

@@ -140,8 +140,13 @@ void InverseSession::text(std::string_view message) {
         const Json json = Json::parse(message);
         if (!json.is_object()) throw InverseMistake("a message is an object; write {\"inverse3\": [...]}");
         read(json);
-    } catch (const std::exception& error) {  // of the parser, too: never a reason to close
-        complain("message-refused", error.what());
+    } catch (const JsonError& error) {
+        std::string_view what = error.what();
+        if (what.starts_with('['))
+            what.remove_prefix(std::min(what.find("] ") + 2, what.size()));  // the parser's number of it
+        complain("message-refused", fmt::format("a message is no JSON: {}", what));
+    } catch (const InverseMistake& mistake) {
+        complain("message-refused", mistake.what());
     }
     for (auto& [id, hold] : holds_)
         if (hold.hand) hold.hand->sent();
@@ -340,7 +345,7 @@ void InverseSession::remove(const InverseDevice& device, const Json& stated) {
 PeerCommands* InverseSession::hand(const InverseDevice& device) {
     if (!service_->claimable(device))
         throw InverseMistake(fmt::format(
-            "device '{}' is not among those that this service may move; see knurl-web --inverse-device",
+            "device '{0}' can be read here, not moved; start knurl-web with --inverse-device {0} to allow it",
             device.info.name));
     if (socket_.role() == Role::observe)
         throw InverseMistake("this connection may look only; it needs the role render or control");

@@ -14,7 +14,8 @@ namespace knurl::gateway {
 
 void write_number(std::string& out, double value) {
     // JSON has neither infinity nor NaN, and a report should have none.
-    fmt::format_to(std::back_inserter(out), "{}", std::isfinite(value) ? value : 0.0);
+    fmt::format_to(std::back_inserter(out), "{}",
+                   std::isfinite(value) && value != 0 ? value : 0.0);  // nor -0
 }
 
 namespace {

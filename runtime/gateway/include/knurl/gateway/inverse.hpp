@@ -57,7 +57,8 @@ std::unique_ptr<InverseSource> observed_devices(const std::string& servo);
 struct InverseOptions {
     /// As Client::connect takes it.
     std::string servo = "knurl:default";
-    /// Names of the devices that peers may move; none given: all. The others are shown, and can be read.
+    /// Names of the devices that peers may move; none given: the simulated ones. The protocol has no keys, so who may use
+    /// this host may use them. The others are shown, and can be read.
     std::optional<std::vector<std::string>> claimable{};
     /// Version of this program.
     std::string version = "0";
