@@ -24,8 +24,7 @@ namespace {
 /// The program `knurl`: beside this one, as installed or in a build tree; else the PATH's.
 std::string knurl_program() {
     std::error_code none;
-    const std::filesystem::path here =
-        std::filesystem::read_symlink("/proc/self/exe", none).parent_path();
+    const std::filesystem::path here = std::filesystem::read_symlink("/proc/self/exe", none).parent_path();
     for (const std::filesystem::path& candidate : {here / "knurl", here.parent_path() / "knurl" / "knurl"})
         if (std::filesystem::is_regular_file(candidate, none)) return candidate.string();
     return "knurl";
@@ -85,7 +84,8 @@ gateway::Response Protocols::Impl::mesh(const gateway::Request& request) {
     try {
         const auto device = number_in<std::size_t>(of(request.query, "device"));
         if (!device) throw std::runtime_error("mesh: say which device, as ?device=0&name=bunny.stl");
-        page.take_mesh(request.session, *device, of(request.query, "name"), of(request.query, "unit"), request.body);
+        page.take_mesh(request.session, *device, of(request.query, "name"), of(request.query, "unit"),
+                       request.body);
         return json({{"ok", true}});
     } catch (const std::exception& error) {
         return json({{"ok", false}, {"error", error.what()}}, 400);
@@ -102,9 +102,11 @@ gateway::Response Protocols::Impl::asset(const gateway::Request& request) const 
         rest.remove_prefix(std::min(end + 1, rest.size()));
     }
     const bool numbered = numbers[0] && numbers[1] && numbers[2] && *numbers[2] <= 64;
-    auto bytes = numbered ? page.asset(*numbers[0], *numbers[1], static_cast<std::uint32_t>(*numbers[2])) : std::nullopt;
+    auto bytes = numbered ? page.asset(*numbers[0], *numbers[1], static_cast<std::uint32_t>(*numbers[2]))
+                          : std::nullopt;
     if (!bytes)
-        return {.status = 404, .body = "no such asset, or it is not known yet; the path is /asset/DEVICE/CLAIM/ASSET\n"};
+        return {.status = 404,
+                .body = "no such asset, or it is not known yet; the path is /asset/DEVICE/CLAIM/ASSET\n"};
     return {.content_type = "application/octet-stream", .body = std::move(*bytes)};
 }
 

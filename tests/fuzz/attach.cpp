@@ -35,8 +35,8 @@ using protocol::MessageType;
 
 namespace {
 
-constexpr MessageType types[] = {MessageType::hello,   MessageType::claim,  MessageType::mapped,
-                                 MessageType::release, MessageType::record, MessageType::asset_forget,
+constexpr MessageType types[] = {MessageType::hello,   MessageType::claim,      MessageType::mapped,
+                                 MessageType::release, MessageType::record,     MessageType::asset_forget,
                                  MessageType{},        MessageType::asset_offer};
 constexpr unsigned type_mask = 7, right = 8, with_descriptor = 16, other_client = 32, unsealed = 64;
 // The bits of a control are used up: who watches stands in for who records in every other piece.
@@ -243,8 +243,7 @@ void hear(Client& client, bool seals) {
 
 void say(Client& client, const fuzz::Pieces::Piece& piece) {
     std::vector<std::byte> bytes = piece.bytes;
-    if ((piece.control & right) != 0)
-        bytes = put_right(type_in(piece.control), std::move(bytes), client);
+    if ((piece.control & right) != 0) bytes = put_right(type_in(piece.control), std::move(bytes), client);
     if (bytes.empty()) return;
     const int descriptor = client.socket.get();
     shm::send_message(client.socket, bytes, {&descriptor, (piece.control & with_descriptor) != 0 ? 1u : 0u});

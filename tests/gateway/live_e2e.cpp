@@ -18,8 +18,8 @@ namespace {
 
 using namespace std::chrono_literals;
 using namespace client_test;
-using testing::TestSocket;
 using ::testing::HasSubstr;
+using testing::TestSocket;
 using Clock = std::chrono::steady_clock;
 
 struct Live : ::testing::Test {
@@ -175,7 +175,8 @@ TEST_F(Live, APageAddsTunesArmsAndItsForceEndsWithIt) {
     {
         Page page(*this);
         EXPECT_EQ(page.socket.last("hello")->at("role"), "control");
-        const Json added = page.ask("add", {{"device", 0}, {"kind", "plane"}, {"params", {{"offset", 0.01}, {"stiffness", 200}}}});
+        const Json added = page.ask(
+            "add", {{"device", 0}, {"kind", "plane"}, {"params", {{"offset", 0.01}, {"stiffness", 200}}}});
         ASSERT_TRUE(added.at("ok").get<bool>()) << added.dump();
         ASSERT_TRUE(page.ask("arm").at("ok").get<bool>());
         ASSERT_TRUE(soon([&] {
@@ -184,14 +185,19 @@ TEST_F(Live, APageAddsTunesArmsAndItsForceEndsWithIt) {
         }));
         ASSERT_TRUE(soon([&] {
             const auto scene = page.socket.last("scene");
-            return scene && scene->at("claims").size() == 1 && scene->at("claims").at(0).at("mine").get<bool>();
+            return scene && scene->at("claims").size() == 1 &&
+                   scene->at("claims").at(0).at("mine").get<bool>();
         }));
-        EXPECT_TRUE(page.ask("set", {{"slot", added.at("slot")}, {"params", {{"offset", -0.05}}}}).at("ok").get<bool>());
+        EXPECT_TRUE(page.ask("set", {{"slot", added.at("slot")}, {"params", {{"offset", -0.05}}}})
+                        .at("ok")
+                        .get<bool>());
         ASSERT_TRUE(soon([&] { return std::abs(device().newest->sent_force.z) < 0.01; }));
         Plane seen;
         std::memcpy(&seen, item(kind_of<Plane>)->params.data(), sizeof seen);
         EXPECT_EQ(seen.stiffness, 200) << "what `set` does not name stays";
-        EXPECT_TRUE(page.ask("set", {{"slot", added.at("slot")}, {"params", {{"offset", 0.01}}}}).at("ok").get<bool>());
+        EXPECT_TRUE(page.ask("set", {{"slot", added.at("slot")}, {"params", {{"offset", 0.01}}}})
+                        .at("ok")
+                        .get<bool>());
         ASSERT_TRUE(soon([&] { return device().newest->sent_force.z > 0.5; }));
         ASSERT_TRUE(page.socket.last("felt"));
     }
@@ -204,18 +210,25 @@ TEST_F(Live, WhatAPageMayNotDoIsRefusedInOneLine) {
     EXPECT_THAT(observer.refusal("add", {{"kind", "plane"}}), HasSubstr("needs the role render"));
     EXPECT_THAT(renderer.refusal("arm"), HasSubstr("needs the role control"));
     EXPECT_THAT(renderer.refusal("record", {{"file", "a"}}), HasSubstr("needs the role control"));
-    EXPECT_THAT(control.refusal("add", {{"kind", "plain"}}), HasSubstr("there is no representation 'plain'; there are plane"));
-    EXPECT_THAT(control.refusal("add", {{"kind", "plane"}, {"params", {{"stiffness", -1}}}}), HasSubstr("stiffness = -1"));
-    EXPECT_THAT(control.refusal("add", {{"kind", "plane"}, {"params", {{"stifness", 1}}}}), HasSubstr("stiffness"));
-    EXPECT_THAT(control.refusal("add", {{"kind", "plane"}, {"params", {{"x\n[y]", 1}}}}), HasSubstr("is no field"));
+    EXPECT_THAT(control.refusal("add", {{"kind", "plain"}}),
+                HasSubstr("there is no representation 'plain'; there are plane"));
+    EXPECT_THAT(control.refusal("add", {{"kind", "plane"}, {"params", {{"stiffness", -1}}}}),
+                HasSubstr("stiffness = -1"));
+    EXPECT_THAT(control.refusal("add", {{"kind", "plane"}, {"params", {{"stifness", 1}}}}),
+                HasSubstr("stiffness"));
+    EXPECT_THAT(control.refusal("add", {{"kind", "plane"}, {"params", {{"x\n[y]", 1}}}}),
+                HasSubstr("is no field"));
     EXPECT_THAT(control.refusal("add", {{"kind", "plane"}, {"device", 4}}), HasSubstr("device 4 of 1"));
-    EXPECT_THAT(control.refusal("set", {{"slot", 5}, {"params", {{"stiffness", 1}}}}), HasSubstr("nothing in slot 5"));
+    EXPECT_THAT(control.refusal("set", {{"slot", 5}, {"params", {{"stiffness", 1}}}}),
+                HasSubstr("nothing in slot 5"));
     EXPECT_THAT(control.refusal("pull", {{"target", Json::array({0, 0, 0})}}), HasSubstr("cannot be pulled"));
     EXPECT_THAT(control.refusal("record", {{"file", "../a"}}), HasSubstr("no folder for recordings"));
     EXPECT_THAT(control.refusal("reset"), HasSubstr("fault"));
     EXPECT_THAT(control.refusal("dance"), HasSubstr("'dance' is no request"));
-    for (const char* text : {"", "{", "[]", "null", "{\"op\":7}", "{\"op\":\"add\",\"kind\":3}", "{\"op\":\"add\",\"kind\":\"plane\",\"params\":[1]}",
-                             "{\"op\":\"set\",\"slot\":-1,\"params\":{}}", "{\"op\":\"pull\",\"target\":[1,2]}"}) {
+    for (const char* text :
+         {"", "{", "[]", "null", "{\"op\":7}", "{\"op\":\"add\",\"kind\":3}",
+          "{\"op\":\"add\",\"kind\":\"plane\",\"params\":[1]}", "{\"op\":\"set\",\"slot\":-1,\"params\":{}}",
+          "{\"op\":\"pull\",\"target\":[1,2]}"}) {
         control.handler->text(text);
         const Json answer = Json::parse(control.socket.texts.back());
         EXPECT_FALSE(answer.at("ok").get<bool>()) << text;
@@ -259,7 +272,8 @@ TEST_F(Live, AnotherServoTakesThePlaceOfADeadOne) {
 
 TEST_F(Live, SamplesAreTheReports) {
     Page page(*this);
-    ASSERT_TRUE(soon([&] { return view.connected() && !device().fresh.empty() && !page.socket.binaries.empty(); }));
+    ASSERT_TRUE(
+        soon([&] { return view.connected() && !device().fresh.empty() && !page.socket.binaries.empty(); }));
     const std::vector<std::byte>& bytes = page.socket.binaries.back();
     std::uint32_t head[4];
     std::memcpy(head, bytes.data(), sizeof head);
@@ -271,7 +285,8 @@ TEST_F(Live, SamplesAreTheReports) {
         std::memcpy(row, bytes.data() + 24 + i * sizeof row, sizeof row);
         const Report& report = device().fresh[i];
         EXPECT_FLOAT_EQ(row[3], static_cast<float>(report.position.z));
-        EXPECT_FLOAT_EQ(row[10], static_cast<float>(1e-3 * static_cast<double>(report.read_ns - report.deadline_ns)));
+        EXPECT_FLOAT_EQ(row[10],
+                        static_cast<float>(1e-3 * static_cast<double>(report.read_ns - report.deadline_ns)));
         EXPECT_EQ(row[13], static_cast<float>(report.state));
     }
 }

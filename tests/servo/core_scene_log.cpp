@@ -120,7 +120,8 @@ void expect_same(const RecordedRun& run, const Picture& picture) {
             EXPECT_EQ(item.id, shown.id);
             EXPECT_EQ(item.kind, shown.kind);
             EXPECT_EQ(item.options.probe, shown.options.probe);
-            EXPECT_TRUE(std::equal(item.params.begin(), item.params.end(), shown.params.begin(), shown.params.end()));
+            EXPECT_TRUE(
+                std::equal(item.params.begin(), item.params.end(), shown.params.begin(), shown.params.end()));
         }
         EXPECT_EQ(seen.items.size(), items);
         const ProbePlacement placed = claim.scene.placement(1);
@@ -128,7 +129,8 @@ void expect_same(const RecordedRun& run, const Picture& picture) {
         EXPECT_EQ(known ? seen.probes.at(1).offset.x : 0, placed.offset.x);
         EXPECT_EQ(known ? seen.probes.at(1).radius : 0, placed.radius);
     }
-    for (const auto& [number, seen] : picture.claims) EXPECT_TRUE(there.contains(number)) << "claim " << number;
+    for (const auto& [number, seen] : picture.claims)
+        EXPECT_TRUE(there.contains(number)) << "claim " << number;
 }
 
 TEST(SceneLog, ShowsWhatIsInTheScenesAfterAnything) {
@@ -140,7 +142,8 @@ TEST(SceneLog, ShowsWhatIsInTheScenesAfterAnything) {
         const int before = static_cast<int>(seed % 4) * 500;  // somebody comes in the middle of its life
         for (int i = 0; i < 4000; ++i) {
             if (i == before) run.servo->show_scenes(&watcher.log);
-            if (i == before + 1000) run.servo->show_scenes(&watcher.log);  // another one, or the same once more
+            if (i == before + 1000)
+                run.servo->show_scenes(&watcher.log);  // another one, or the same once more
             run.cycle();
             ASSERT_NO_FATAL_FAILURE(watcher.look());
         }
@@ -163,7 +166,8 @@ TEST(SceneLog, WhoWatchesChangesNothingInAnyReport) {
         for (int i = 0; i < 4000; ++i) {
             watched.cycle();
             alone.cycle();
-            ASSERT_EQ(std::memcmp(&watched.reports.back(), &alone.reports.back(), sizeof(Report)), 0) << "cycle " << i;
+            ASSERT_EQ(std::memcmp(&watched.reports.back(), &alone.reports.back(), sizeof(Report)), 0)
+                << "cycle " << i;
         }
         EXPECT_GT(watcher.slots(), 100u);
     }
@@ -324,7 +328,8 @@ TEST(Unshown, GivesEachSlotOnceAndInBoundedSteps) {
             EXPECT_TRUE(seen.insert(next->slot).second);
         }
         unshown.take_claim();
-        while (unshown.take_probe()) {}
+        while (unshown.take_probe()) {
+        }
         if (steps > 10) break;
     }
     EXPECT_EQ(seen.size(), 200u);

@@ -26,7 +26,8 @@ Answer show(RawClient& client, std::uint32_t device, std::uint32_t row, std::uin
 }
 
 shm::Segment mapped(const Answer& answer) {
-    return shm::Segment::open(answer.fds.at(0).get(), servo::scene_log_bytes, shm::Segment::Access::read_only);
+    return shm::Segment::open(answer.fds.at(0).get(), servo::scene_log_bytes,
+                              shm::Segment::Access::read_only);
 }
 
 /// Number of claims that were shown since `from`.
@@ -116,7 +117,8 @@ TEST(Watching, WhoComesAndGoesLeavesNothing) {
         RawClient client(home);
         ASSERT_TRUE(client.greet().welcome);
         for (int j = 0; j < 3; ++j) {
-            client.send(protocol::WatchRequest{.device = random() % 2 == 0 ? 0 : static_cast<std::uint32_t>(random())});
+            client.send(protocol::WatchRequest{
+                .device = random() % 2 == 0 ? 0 : static_cast<std::uint32_t>(random())});
             if (random() % 3 == 0) break;  // gone before the answer
             const Answer answer = client.answer();
             EXPECT_TRUE(answer.watching || answer.refused);

@@ -43,9 +43,9 @@ class LiveHand {
     std::vector<int> nodes_;
     int stop_ = -1;  // eventfd
     // Written by the listener, read by the cycle; the values are independent, so no order is needed.
-    std::array<std::atomic<std::int64_t>, 3> counts_ = {};  // since the start, along x, y, z
+    std::array<std::atomic<std::int64_t>, 3> counts_ = {};   // since the start, along x, y, z
     std::array<std::atomic<std::uint64_t>, 3> places_ = {};  // number of the event << 32 | its value
-    std::atomic<std::uint32_t> held_ = 0;                   // bit per key that moves: -x +x -y +y -z +z
+    std::atomic<std::uint32_t> held_ = 0;                    // bit per key that moves: -x +x -y +y -z +z
     std::atomic<std::uint32_t> buttons_ = 0;
     // Used by the cycle alone, so they are not atomic.
     std::array<std::int64_t, 3> taken_ = {};

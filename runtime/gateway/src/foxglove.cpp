@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <map>
@@ -23,6 +22,7 @@
 #include <knurl/words/printable.hpp>
 
 #include "foxglove_scene.hpp"
+#include "params_json.hpp"
 
 namespace knurl::gateway {
 
@@ -66,52 +66,8 @@ struct Open {
     std::optional<Time> made;
 };
 
-Json number(double value) {
-    if (std::isfinite(value)) return value;
-    return std::isnan(value) ? "nan" : value > 0 ? "inf" : "-inf";  // JSON has none of these
-}
-Json numbers(const double* values, std::size_t n) {
-    Json all = Json::array();
-    for (std::size_t i = 0; i < n; ++i) all.push_back(number(values[i]));
-    return all;
-}
-Json numbers(const Vec3& v) {
-    return numbers(&v.x, 3);
-}
-
-/// One parameter of a representation, from `bytes` of it.
-Json value_of(const Field& field, std::span<const std::byte> params) {
-    if (field.offset + field.bytes() > params.size()) return nullptr;
-    const std::byte* at = params.data() + field.offset;
-    const auto whole = [](const std::byte* from) {
-        std::uint32_t value = 0;
-        std::memcpy(&value, from, sizeof value);
-        return value;
-    };
-    std::vector<double> reals(field.reals());
-    if (!reals.empty()) std::memcpy(reals.data(), at, reals.size() * sizeof(double));
-    switch (field.type) {
-        case Field::Type::real:
-            if (field.automatic_allowed && reals[0] == automatic) return "automatic";
-            return number(reals[0]);
-        case Field::Type::choice:
-            if (const std::uint32_t chosen = whole(at); chosen < field.choices.size())
-                return field.choices[chosen];
-            return whole(at);
-        case Field::Type::integer:
-            return whole(at);
-        case Field::Type::points: {
-            const std::uint32_t used = std::min(whole(at + reals.size() * sizeof(double)), field.count);
-            Json points = Json::array();
-            for (std::size_t i = 0; i < used; ++i) points.push_back(numbers(reals.data() + 3 * i, 3));
-            return points;
-        }
-        case Field::Type::vector:
-        case Field::Type::quaternion:
-        case Field::Type::matrix:
-            break;
-    }
-    return numbers(reals.data(), reals.size());
+Json vector(const Vec3& v) {
+    return Json::array({number_json(v.x), number_json(v.y), number_json(v.z)});
 }
 
 Json parameters_of(const SeenDevice& device) {
@@ -125,31 +81,29 @@ Json parameters_of(const SeenDevice& device) {
     about["joints"] = info.joints;
     about["renders_torque"] = info.renders_torque != 0;
     about["senses_orientation"] = info.senses_orientation != 0;
-    about["rate"] = number(info.rate);
-    about["workspace_centre"] = numbers(info.workspace_centre);
-    about["workspace_radius"] = number(info.workspace_radius);
-    about["peak_force"] = number(info.peak_force);
-    about["peak_torque"] = number(info.peak_torque);
-    about["max_stiffness"] = number(info.max_stiffness);
-    about["damping"] = number(info.damping);
-    about["lag"] = number(info.lag);
+    about["rate"] = number_json(info.rate);
+    about["workspace_centre"] = vector(info.workspace_centre);
+    about["workspace_radius"] = number_json(info.workspace_radius);
+    about["peak_force"] = number_json(info.peak_force);
+    about["peak_torque"] = number_json(info.peak_torque);
+    about["max_stiffness"] = number_json(info.max_stiffness);
+    about["damping"] = number_json(info.damping);
+    about["lag"] = number_json(info.lag);
     Json items = Json::array();
     std::size_t left_out = 0;
     for (const auto& [claim, scene] : device.claims)
         for (const auto& [slot, item] : scene.items) {
-            if (item.kind >= kinds().size() || items.size() >= most_listed) {
+            if (item.kind >= kinds().size() || item.params.size() != kinds()[item.kind].size ||
+                items.size() >= most_listed) {
                 ++left_out;
                 continue;
             }
-            const KindInfo& kind = kinds()[item.kind];
-            Json params = Json::object();
-            for (const Field& field : kind.fields) params[field.name] = value_of(field, item.params);
             Json one = Json::object();
             one["claim"] = claim;
             one["slot"] = slot;
-            one["kind"] = kind.name;
+            one["kind"] = kinds()[item.kind].name;
             one["probe"] = item.options.probe;
-            one["params"] = std::move(params);
+            one["params"] = params_json(item.kind, item.params);
             items.push_back(std::move(one));
         }
     Json all = Json::object();
@@ -598,14 +552,6 @@ class FoxgloveSocket : public SocketHandler {
 };
 
 }  // namespace
-
-FoxgloveLook foxglove_look(const LiveView& view) {
-    return {.connected = view.connected(),
-            .epoch = view.epoch(),
-            .name = view.name(),
-            .trouble = view.trouble(),
-            .devices = view.devices()};
-}
 
 FoxgloveSource::FoxgloveSource(std::function<FoxgloveLook()> look,
                                std::function<std::int64_t()> realtime_offset)

@@ -37,7 +37,8 @@ void HandPipe::pull(const Vec3& target) const noexcept {
         if (!std::isfinite(places[axis])) return;
         events[axis].type = EV_ABS;
         events[axis].code = static_cast<std::uint16_t>(ABS_X + axis);
-        events[axis].value = static_cast<std::int32_t>(std::lround(std::clamp(places[axis], -most, most) / unit));
+        events[axis].value =
+            static_cast<std::int32_t>(std::lround(std::clamp(places[axis], -most, most) / unit));
     }
     // Three records are less than PIPE_BUF: all of them or none.
     [[maybe_unused]] const ssize_t written = ::write(pipe_.get(), events.data(), sizeof events);

@@ -136,8 +136,8 @@ class LiveSocket final : public SocketHandler {
 
 void LiveSocket::require(Role role, const std::string& op) const {
     if (socket_.role() >= role) return;
-    throw std::runtime_error(fmt::format("{}: this page may {}; {} needs the role {}", op, name_of(socket_.role()), op,
-                                         name_of(role)));
+    throw std::runtime_error(fmt::format("{}: this page may {}; {} needs the role {}", op,
+                                         name_of(socket_.role()), op, name_of(role)));
 }
 
 Playground& LiveSocket::playground(std::size_t device) {
@@ -202,7 +202,8 @@ Json LiveSocket::answer(const std::string& op, const Json& request) {
         const HandPipe& pipe = page_.pipes.at(device());
         if (!pipe.can_pull())
             throw std::runtime_error(
-                "pull: this hand cannot be pulled; `knurl web` starts a simulated one that can, or give a simulated "
+                "pull: this hand cannot be pulled; `knurl web` starts a simulated one that can, or give a "
+                "simulated "
                 "device a pipe: --device right=sim:premium15,live=PIPE");
         const Json target = request.value("target", Json());
         if (!target.is_null()) pipe.pull(vector_of(target));
@@ -217,12 +218,15 @@ Json LiveSocket::answer(const std::string& op, const Json& request) {
             require(Role::control, op);
             if (page_.options.knurl_program.empty())
                 throw std::runtime_error("doctor: the program knurl was not found beside this one");
-            if (!page_.doctor) page_.doctor.emplace(std::vector<std::string>{page_.options.knurl_program, "doctor", "--json"});
+            if (!page_.doctor)
+                page_.doctor.emplace(
+                    std::vector<std::string>{page_.options.knurl_program, "doctor", "--json"});
         }
         told["running"] = page_.doctor.has_value();
         told["verdict"] = page_.verdict.empty() ? Json() : Json::parse(page_.verdict);
     } else {
-        throw std::runtime_error(fmt::format("'{}' is no request that is known here", words::printable(op, 40)));
+        throw std::runtime_error(
+            fmt::format("'{}' is no request that is known here", words::printable(op, 40)));
     }
     return told;
 }
@@ -232,7 +236,8 @@ std::set<std::uint64_t> LiveSocket::mine(const SeenDevice& seen) const {
     const std::string shown = "knurl-web " + name_;
     for (const auto& [number, claim] : seen.claims)
         for (const view::ClientView& client : seen.rates.device.clients)
-            if (client.row == claim.row && client.pid == ::getpid() && client.name == shown) numbers.insert(number);
+            if (client.row == claim.row && client.pid == ::getpid() && client.name == shown)
+                numbers.insert(number);
     return numbers;
 }
 
@@ -268,7 +273,8 @@ void LiveSocket::tell_scenes() {
             told.scene = std::max<std::uint64_t>(devices[i].scene_version, 1);
             told.mine = std::move(own);
         }
-        if (std::string felt = felt_text(i, devices[i], told.felt); !felt.empty()) socket_.send_text(std::move(felt));
+        if (std::string felt = felt_text(i, devices[i], told.felt); !felt.empty())
+            socket_.send_text(std::move(felt));
     }
 }
 
@@ -306,7 +312,8 @@ void LivePage::Impl::look_at_servo() {
     if (epoch == view.epoch() && connected == view.connected() && !servo.empty()) return;
     if (epoch != view.epoch()) {
         pipes.clear();
-        for (const SeenDevice& seen : view.devices()) pipes.emplace_back(protocol::text_of(seen.info.address));
+        for (const SeenDevice& seen : view.devices())
+            pipes.emplace_back(protocol::text_of(seen.info.address));
     }
     epoch = view.epoch();
     connected = view.connected();
@@ -343,22 +350,29 @@ void LivePage::Impl::look_at_children() {
 std::string LivePage::Impl::record(std::size_t i, const std::string& file) {
     const SeenDevice& seen = device(i);
     if (options.recordings.empty() || options.knurl_program.empty())
-        throw std::runtime_error("record: no folder for recordings was named; start knurl-web with --recordings DIR");
+        throw std::runtime_error(
+            "record: no folder for recordings was named; start knurl-web with --recordings DIR");
     if (recorders.contains(i))
         throw std::runtime_error(fmt::format("record: already recording into {}", recorders.at(i).path));
     const bool plain = !file.empty() && file.size() <= 100 && file.front() != '.' &&
                        std::all_of(file.begin(), file.end(), [](char c) {
-                           return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-                                  c == '.' || c == '-' || c == '_';
+                           return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
+                                  (c >= '0' && c <= '9') || c == '.' || c == '-' || c == '_';
                        });
     if (!plain)
         throw std::runtime_error(
-            "record: give the file a name of letters, digits, '.', '-' and '_', without a folder: stroke-1.mcap");
+            "record: give the file a name of letters, digits, '.', '-' and '_', without a folder: "
+            "stroke-1.mcap");
     const std::string name = file.ends_with(".mcap") ? file : file + ".mcap";
     const std::string path = (std::filesystem::path(options.recordings) / name).string();
-    if (std::filesystem::exists(path)) throw std::runtime_error(fmt::format("record: {} is there already", path));
-    const std::vector<std::string> words = {options.knurl_program, "record",   path,
-                                            "--servo",             options.servo, "--device",
+    if (std::filesystem::exists(path))
+        throw std::runtime_error(fmt::format("record: {} is there already", path));
+    const std::vector<std::string> words = {options.knurl_program,
+                                            "record",
+                                            path,
+                                            "--servo",
+                                            options.servo,
+                                            "--device",
                                             protocol::text_of(seen.info.name)};
     recorders[i] = {.path = path, .child = std::make_unique<Child>(words)};
     return path;
@@ -366,7 +380,8 @@ std::string LivePage::Impl::record(std::size_t i, const std::string& file) {
 
 void LivePage::Impl::stop(std::size_t i) {
     const auto found = recorders.find(i);
-    if (found == recorders.end()) throw std::runtime_error("stop: this device is not being recorded from here");
+    if (found == recorders.end())
+        throw std::runtime_error("stop: this device is not being recorded from here");
     found->second.child->interrupt();
 }
 
@@ -399,11 +414,13 @@ void LivePage::take_mesh(const std::string& session, std::size_t device, const s
     LiveSocket* page = nullptr;
     for (LiveSocket* socket : impl_->sockets)
         if (!session.empty() && socket->session() == session) page = socket;
-    if (page == nullptr) throw std::runtime_error("mesh: open the page first; a mesh belongs to the page that sent it");
+    if (page == nullptr)
+        throw std::runtime_error("mesh: open the page first; a mesh belongs to the page that sent it");
     page->begin_mesh(device, name, unit, std::move(bytes));
 }
 
-std::optional<std::string> LivePage::asset(std::size_t device, std::uint64_t claim, std::uint32_t number) const {
+std::optional<std::string> LivePage::asset(std::size_t device, std::uint64_t claim,
+                                           std::uint32_t number) const {
     const auto devices = impl_->view.devices();
     if (device >= devices.size()) return std::nullopt;
     const auto of = devices[device].claims.find(claim);
@@ -414,7 +431,8 @@ std::optional<std::string> LivePage::asset(std::size_t device, std::uint64_t cla
     const std::uint32_t counts[] = {static_cast<std::uint32_t>(asset.vertices.size() / 3),
                                     static_cast<std::uint32_t>(asset.triangles.size() / 3)};
     const auto bytes = [](const auto& values) {
-        return std::string_view(reinterpret_cast<const char*>(std::data(values)), sizeof(values[0]) * std::size(values));
+        return std::string_view(reinterpret_cast<const char*>(std::data(values)),
+                                sizeof(values[0]) * std::size(values));
     };
     std::string text(bytes(counts));
     text += bytes(asset.vertices);

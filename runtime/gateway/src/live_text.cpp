@@ -71,54 +71,6 @@ std::string_view type_name(Field::Type type) {
     return "?";
 }
 
-std::uint32_t whole_at(std::span<const std::byte> params, std::size_t at) {
-    std::uint32_t value = 0;
-    std::memcpy(&value, params.data() + at, sizeof value);
-    return value;
-}
-
-double real_at(std::span<const std::byte> params, std::size_t at) {
-    double value = 0;
-    std::memcpy(&value, params.data() + at, sizeof value);
-    return value;
-}
-
-Json field_value(const Field& field, std::span<const std::byte> params) {
-    const auto reals = [&](std::size_t n) {
-        Json values = Json::array();
-        for (std::size_t i = 0; i < n; ++i)
-            values.push_back(number_json(real_at(params, field.offset + i * sizeof(double))));
-        return values;
-    };
-    switch (field.type) {
-        case Field::Type::real: {
-            const double value = real_at(params, field.offset);
-            // A range that begins at 0 leaves -1 for "automatic" alone.
-            return value == automatic && field.minimum >= 0 ? Json("automatic") : number_json(value);
-        }
-        case Field::Type::choice: {
-            const std::uint32_t value = whole_at(params, field.offset);
-            return value < field.choices.size() ? Json(std::string(field.choices[value])) : Json(value);
-        }
-        case Field::Type::integer:
-            return whole_at(params, field.offset);
-        case Field::Type::points: {
-            const std::size_t n =
-                std::min<std::size_t>(whole_at(params, field.offset + field.reals() * sizeof(double)), field.count);
-            Json points = Json::array();
-            for (std::size_t p = 0; p < n; ++p) {
-                Json point = Json::array();
-                for (std::size_t i = 0; i < 3; ++i)
-                    point.push_back(number_json(real_at(params, field.offset + (3 * p + i) * sizeof(double))));
-                points.push_back(std::move(point));
-            }
-            return points;
-        }
-        default:
-            return reals(field.reals());
-    }
-}
-
 template <class... R>
 Json defaults_json(Kind kind, TypeList<R...>) {
     Json defaults;
@@ -208,21 +160,10 @@ std::string_view name_of(Role role) noexcept {
     return role == Role::control ? "control" : role == Role::render ? "render" : "observe";
 }
 
-Json number_json(double value) {
-    if (std::isfinite(value)) return value;
-    return std::isnan(value) ? Json() : Json(value > 0 ? "inf" : "-inf");
-}
-
 Json kinds_json() {
     Json all = Json::array();
     for (Kind kind = 0; kind < kinds().size(); ++kind) all.push_back(kind_json(kind));
     return all;
-}
-
-Json params_json(Kind kind, std::span<const std::byte> params) {
-    Json values = Json::object();
-    for (const Field& field : kinds()[kind].fields) values[field.name] = field_value(field, params);
-    return values;
 }
 
 std::string servo_text(const LiveView& view, const std::vector<bool>& can_pull) {
@@ -248,9 +189,9 @@ std::string servo_text(const LiveView& view, const std::vector<bool>& can_pull) 
                            {"pull", i < can_pull.size() && can_pull[i]}});
         ++i;
     }
-    const Json servo = {{"op", "servo"},          {"connected", view.connected()},
-                        {"name", view.name()},    {"pid", view.pid()},
-                        {"trouble", view.trouble()}, {"devices", std::move(devices)}};
+    const Json servo = {
+        {"op", "servo"},     {"connected", view.connected()}, {"name", view.name()},
+        {"pid", view.pid()}, {"trouble", view.trouble()},     {"devices", std::move(devices)}};
     return servo.dump();
 }
 
@@ -268,8 +209,8 @@ std::string frame_text(std::span<const SeenDevice> devices) {
         const SeenDevice& seen = devices[i];
         if (!seen.newest) continue;
         const Report& r = *seen.newest;
-        fmt::format_to(out, "{}{{\"i\":{},\"cycle\":{},\"t\":{:.6f},\"state\":\"{}\"", first ? "" : ",", i, r.cycle,
-                       static_cast<double>(r.read_ns) * 1e-9, state_of(r.state));
+        fmt::format_to(out, "{}{{\"i\":{},\"cycle\":{},\"t\":{:.6f},\"state\":\"{}\"", first ? "" : ",", i,
+                       r.cycle, static_cast<double>(r.read_ns) * 1e-9, state_of(r.state));
         first = false;
         append_names(text, "faults", protocol::fault_names, r.faults);
         append(text, "p", r.position);
@@ -378,8 +319,12 @@ std::string scene_text(std::uint32_t device, const SeenDevice& seen, std::uint64
                              {"probe", item.options.probe}});
         }
     }
-    const Json scene = {{"op", "scene"},   {"device", device}, {"full", since == 0}, {"claims", std::move(claims)},
-                        {"items", std::move(items)}, {"gone", std::move(gone)}};
+    const Json scene = {{"op", "scene"},
+                        {"device", device},
+                        {"full", since == 0},
+                        {"claims", std::move(claims)},
+                        {"items", std::move(items)},
+                        {"gone", std::move(gone)}};
     return scene.dump();
 }
 
@@ -392,8 +337,8 @@ std::string felt_text(std::uint32_t device, const SeenDevice& seen, bool& before
             const std::uint32_t flags = item.feedback.flags | (claim.asleep ? asleep : 0);
             if (flags == 0) continue;
             const Vec3 &f = item.feedback.force, &c = item.feedback.contact;
-            fmt::format_to(out, "{}[{},{},{},{:.6g},{:.6g},{:.6g},{:.7g},{:.7g},{:.7g}]", items.empty() ? "" : ",",
-                           number, slot, flags, f.x, f.y, f.z, c.x, c.y, c.z);
+            fmt::format_to(out, "{}[{},{},{},{:.6g},{:.6g},{:.6g},{:.7g},{:.7g},{:.7g}]",
+                           items.empty() ? "" : ",", number, slot, flags, f.x, f.y, f.z, c.x, c.y, c.z);
         }
     }
     const bool something = !items.empty();

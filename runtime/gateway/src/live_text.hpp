@@ -12,16 +12,14 @@
 #include <knurl/gateway/socket.hpp>
 #include <knurl/json/json.hpp>
 
+#include "params_json.hpp"
+
 namespace knurl::gateway {
 
 std::string_view name_of(Role role) noexcept;
 
-/// Numbers that JSON has not are texts: "inf", "-inf", "automatic".
-Json number_json(double value);
 /// The tables of all kinds.
 Json kinds_json();
-/// Parameters by field.
-Json params_json(Kind kind, std::span<const std::byte> params);
 
 /// `can_pull`: by device.
 std::string servo_text(const LiveView& view, const std::vector<bool>& can_pull);

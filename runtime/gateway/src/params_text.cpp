@@ -33,15 +33,16 @@ std::string toml_of(const std::string& key, const Json& value) {
         return "[" + parts + "]";
     }
     if (value.is_number() || value.is_boolean()) return value.dump();
-    throw std::runtime_error(
-        fmt::format("{} = {}: give a number, a list of numbers or a name", key, value.is_null() ? "null" : "{...}"));
+    throw std::runtime_error(fmt::format("{} = {}: give a number, a list of numbers or a name", key,
+                                         value.is_null() ? "null" : "{...}"));
 }
 
 }  // namespace
 
 Kind kind_of_name(const std::string& name) {
     const auto all = kinds();
-    const auto found = std::find_if(all.begin(), all.end(), [&](const KindInfo& info) { return info.name == name; });
+    const auto found =
+        std::find_if(all.begin(), all.end(), [&](const KindInfo& info) { return info.name == name; });
     if (found != all.end()) return static_cast<Kind>(found - all.begin());
     std::string names;
     for (const KindInfo& info : all) names += (names.empty() ? "" : ", ") + std::string(info.name);

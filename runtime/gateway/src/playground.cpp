@@ -41,7 +41,8 @@ Playground::Playground(const std::string& servo, const std::string& device, cons
 AnyHandle& Playground::handle(std::uint32_t slot) {
     const auto found = handles_.find(slot);
     if (found == handles_.end())
-        throw std::runtime_error(fmt::format("this page has nothing in slot {}; it changes only what it added", slot));
+        throw std::runtime_error(
+            fmt::format("this page has nothing in slot {}; it changes only what it added", slot));
     return found->second;
 }
 
@@ -75,7 +76,8 @@ void Playground::clear() {
     handles_.clear();
 }
 
-Playground::Read Playground::read_mesh(const std::string& bytes, const std::string& name, const std::string& unit) {
+Playground::Read Playground::read_mesh(const std::string& bytes, const std::string& name,
+                                       const std::string& unit) {
     Read read{.file = meshfile::read_mesh(bytes, name), .metre = 1, .notes = {}};
     const double size = read.file.size();
     const meshfile::Unit of = unit.empty() ? meshfile::guessed_unit(size) : meshfile::unit_of(unit);
@@ -91,7 +93,8 @@ void Playground::begin_mesh(const std::string& name, const std::string& unit, st
         throw std::runtime_error(fmt::format("{} is still being sent; wait for it", mesh_name_));
     const std::string end = lower(name.substr(std::min(name.rfind('.'), name.size())));
     if (end != ".stl" && end != ".obj" && end != ".ply")
-        throw std::runtime_error(fmt::format("{}: give a mesh as .stl, .obj or .ply", words::printable(name, 60)));
+        throw std::runtime_error(
+            fmt::format("{}: give a mesh as .stl, .obj or .ply", words::printable(name, 60)));
     if (!unit.empty()) meshfile::unit_of(unit);  // a wrong one is refused now
     mesh_name_ = words::printable(name, 60);
     // A file of 64 MiB takes a second to read: the pages of others go on meanwhile.
@@ -119,7 +122,8 @@ std::optional<Json> Playground::mesh() {
         if (!sent) return std::nullopt;
         sending_.reset();
         std::string notes = mesh_notes_;
-        for (const std::string& note : meshfile::notes_of(sent->notes)) notes += (notes.empty() ? "" : "; ") + note;
+        for (const std::string& note : meshfile::notes_of(sent->notes))
+            notes += (notes.empty() ? "" : "; ") + note;
         const auto corner = [](const Vec3& v) { return Json::array({v.x, v.y, v.z}); };
         return answer({{"ok", true},
                        {"asset", sent->asset},

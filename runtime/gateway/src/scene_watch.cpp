@@ -46,8 +46,8 @@ void SceneWatch::ask(std::chrono::milliseconds answer_time) {
     request.device = number_;
     if (!send(connection_, request)) throw std::runtime_error("the servo hung up");
     std::vector<shm::UniqueFd> fds;
-    const auto watching = view::answer<protocol::Watching>(connection_, protocol::MessageType::watching,
-                                                           answer_time, fds);
+    const auto watching =
+        view::answer<protocol::Watching>(connection_, protocol::MessageType::watching, answer_time, fds);
     if (fds.size() != 1) throw std::runtime_error("the servo sent no memory to watch");
     memory_ = shm::Segment::open(fds.front().get(), servo::scene_log_bytes, shm::Segment::Access::read_only);
     log_.emplace(memory_.data(), servo::scene_log_slots, watching.from, servo::max_scene_record);

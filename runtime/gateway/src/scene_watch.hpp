@@ -18,7 +18,8 @@ namespace knurl::gateway {
 class SceneWatch {
   public:
     /// Throws std::runtime_error: no servo answers in time, or it is of another build.
-    SceneWatch(const protocol::ServoAddress& servo, std::uint32_t device, std::chrono::milliseconds answer_time);
+    SceneWatch(const protocol::ServoAddress& servo, std::uint32_t device,
+               std::chrono::milliseconds answer_time);
 
     /// Takes what is new into `device`. Waits for nothing. False: the servo has hung up.
     bool look(SeenDevice& device);
@@ -44,8 +45,9 @@ class SceneWatch {
         std::uint64_t claim = 0;
         std::uint32_t number = 0;
     };
-    std::optional<Wanted> wanted_;                                  // ShownAsset, or Refused, is on its way
-    std::map<std::pair<std::uint64_t, std::uint32_t>, int> tried_;  // assets that could not be read, how often
+    std::optional<Wanted> wanted_;  // ShownAsset, or Refused, is on its way
+    std::map<std::pair<std::uint64_t, std::uint32_t>, int>
+        tried_;  // assets that could not be read, how often
 };
 
 }  // namespace knurl::gateway

@@ -71,7 +71,8 @@ std::vector<AssetReply> AssetService::answers(Tables tables, const Recorded& rec
             try {
                 recorded(waiting.device, {.bytes = waiting.bytes, .digest = result->digest},
                          result->source.get());
-                table.give_asset(waiting.key, waiting.number, std::move(result->asset), std::move(result->memory), result->digest);
+                table.give_asset(waiting.key, waiting.number, std::move(result->asset),
+                                 std::move(result->memory), result->digest);
             } catch (const RequestRefused& refusal) {
                 reply.refusal = refusal.what();
             }

@@ -21,9 +21,9 @@ namespace knurl::servo {
 /// Large enough for every message of a client, plus one byte that shows a longer message.
 using Buffer = std::array<std::byte, std::max({sizeof(protocol::Hello), sizeof(protocol::ClaimRequest),
                                                sizeof(protocol::Release), sizeof(protocol::Mapped),
-                                               sizeof(protocol::RecordRequest), sizeof(protocol::WatchRequest),
-                                               sizeof(protocol::ShowAsset), sizeof(protocol::AssetOffer),
-                                               sizeof(protocol::AssetForget)}) +
+                                               sizeof(protocol::RecordRequest),
+                                               sizeof(protocol::WatchRequest), sizeof(protocol::ShowAsset),
+                                               sizeof(protocol::AssetOffer), sizeof(protocol::AssetForget)}) +
                                          1>;
 
 template <class Message>

@@ -314,7 +314,8 @@ bool Broker::Impl::watch_scenes(Connection& connection, const protocol::WatchReq
 bool Broker::Impl::show_asset(const Connection& connection, const protocol::ShowAsset& request) {
     try {
         if (connection.watching != request.device)
-            throw RequestRefused("asset: this connection does not watch that device; send WatchRequest first");
+            throw RequestRefused(
+                "asset: this connection does not watch that device; send WatchRequest first");
         const shm::Segment& memory = tables[request.device]->asset_memory(request.row, request.number);
         protocol::ShownAsset shown;
         shown.bytes = memory.size();

@@ -110,8 +110,13 @@ std::optional<BuildQueue::Result> BuildQueue::collect() {
     shm::Received received =
         shm::receive_message(running_->socket, std::as_writable_bytes(std::span(&answer, 1)), shm::Block::no);
     if (received.nothing) return std::nullopt;
-    Result result{
-        .ticket = running_->ticket, .asset = {}, .memory = {}, .ready = {}, .digest = {}, .source = {}, .refusal = {}};
+    Result result{.ticket = running_->ticket,
+                  .asset = {},
+                  .memory = {},
+                  .ready = {},
+                  .digest = {},
+                  .source = {},
+                  .refusal = {}};
     const std::uint32_t number = running_->number;
     end_process();  // its answer is complete
     next();

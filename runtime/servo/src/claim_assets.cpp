@@ -67,10 +67,8 @@ void ClaimTable::give_asset(std::uint64_t key, std::uint32_t number, std::unique
             fmt::format("asset: {} bytes, besides {} that the claim holds by now; a claim may hold {}",
                         asset->bytes(), held, protocol::max_asset_bytes));
     require_memory("asset: it", asset->bytes());
-    auto kept = std::make_unique<HeldAsset>(HeldAsset{.memory = {memory_, asset->bytes()},
-                                                        .block = std::move(memory),
-                                                        .shown = false,
-                                                        .asset = nullptr});
+    auto kept = std::make_unique<HeldAsset>(HeldAsset{
+        .memory = {memory_, asset->bytes()}, .block = std::move(memory), .shown = false, .asset = nullptr});
     if (!device_.servo.give(row->claim.get(), number, asset.get(), digest))
         throw RequestRefused(fmt::format("asset: the servo of \"{}\" is busy; send it again", device_.name));
     kept->asset = std::move(asset);

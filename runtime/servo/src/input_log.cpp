@@ -25,8 +25,8 @@ std::uint64_t input_log_layout() noexcept {
     for (const std::uint64_t value :
          {std::uint64_t{sizeof(CycleInput)}, std::uint64_t{sizeof(InputLogHeader)},
           std::uint64_t{sizeof(ClaimTerms)}, std::uint64_t{offsetof(ClaimTerms, resets)},
-          std::uint64_t{sizeof(ServoOptions)}, std::uint64_t{log_slot_bytes},
-          std::uint64_t{input_log_slots}, static_cast<std::uint64_t>(InputType::asset_forgotten),
+          std::uint64_t{sizeof(ServoOptions)}, std::uint64_t{log_slot_bytes}, std::uint64_t{input_log_slots},
+          static_cast<std::uint64_t>(InputType::asset_forgotten),
           std::uint64_t{sizeof(protocol::AssetDigest)}})
         hash = mix(hash, value);
     return hash;

@@ -22,7 +22,15 @@ namespace knurl::servo {
 
 /// From the broker.
 struct Message {
-    enum class What : std::uint32_t { adopt, drop, drop_all, input_log, scene_log, asset, forget } what = What::adopt;
+    enum class What : std::uint32_t {
+        adopt,
+        drop,
+        drop_all,
+        input_log,
+        scene_log,
+        asset,
+        forget
+    } what = What::adopt;
     Claim* claim = nullptr;
     InputLog* input_log = nullptr;
     RecordLog* scene_log = nullptr;

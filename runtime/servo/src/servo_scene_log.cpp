@@ -114,9 +114,9 @@ void Servo::Impl::show_felt(Claim::Impl& c) noexcept {
                                          .contact = to_plain(entry.contact_point)};
         });
     }
-    scene_log->put(static_cast<std::uint16_t>(SceneRecord::felt),
-                   {as_bytes(c.number), as_bytes(felt),
-                    std::as_bytes(std::span(contacts).first(felt.contacts))});
+    scene_log->put(
+        static_cast<std::uint16_t>(SceneRecord::felt),
+        {as_bytes(c.number), as_bytes(felt), std::as_bytes(std::span(contacts).first(felt.contacts))});
 }
 
 }  // namespace knurl::servo

@@ -61,6 +61,12 @@ class FoxgloveSource {
 };
 
 /// What a LiveView sees; its tick comes before those of the sockets.
-FoxgloveLook foxglove_look(const LiveView& view);
+inline FoxgloveLook foxglove_look(const LiveView& view) {
+    return {.connected = view.connected(),
+            .epoch = view.epoch(),
+            .name = view.name(),
+            .trouble = view.trouble(),
+            .devices = view.devices()};
+}
 
 }  // namespace knurl::gateway

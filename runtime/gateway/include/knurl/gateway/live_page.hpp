@@ -39,8 +39,8 @@ class LivePage {
     std::unique_ptr<SocketHandler> open(Socket& socket);
     /// A file of a mesh from the page of that session, for its claim: begins to read it, and the page is told what became
     /// of it. `unit`: of its numbers, "mm"; empty: it is guessed. Throws std::runtime_error, one line.
-    void take_mesh(const std::string& session, std::size_t device, const std::string& name, const std::string& unit,
-                   std::string bytes);
+    void take_mesh(const std::string& session, std::size_t device, const std::string& name,
+                   const std::string& unit, std::string bytes);
     /// A mesh for the page, in the form of the README; none: it is not known.
     std::optional<std::string> asset(std::size_t device, std::uint64_t claim, std::uint32_t number) const;
     /// Pages that are open.

@@ -116,8 +116,7 @@ inline constexpr std::uint32_t input_log_slots = 65'536;
 /// Bytes before the slots.
 inline constexpr std::size_t input_log_header_bytes = 4096;
 /// Bytes of the whole log.
-inline constexpr std::size_t input_log_bytes =
-    input_log_header_bytes + record_log_bytes(input_log_slots);
+inline constexpr std::size_t input_log_bytes = input_log_header_bytes + record_log_bytes(input_log_slots);
 /// Most words of a keyframe.
 inline constexpr std::size_t max_keyframe_words = 512;
 /// Most bytes of a record: the largest batch, or all cells of a command ring, and what stands before it.

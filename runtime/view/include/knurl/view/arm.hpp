@@ -19,7 +19,8 @@ using Lines = std::vector<std::vector<Eigen::Vector3d>>;
 Lines skeleton(const drivers::SerialChainTable& chain, const drivers::JointArray& joints);
 /// Base, crank and platform of each leg; the parallelogram is the line between crank and platform. `tip`: where the
 /// platform is.
-Lines skeleton(const drivers::DeltaTable& delta, const Eigen::Vector3d& tip, const drivers::JointArray& joints);
+Lines skeleton(const drivers::DeltaTable& delta, const Eigen::Vector3d& tip,
+               const drivers::JointArray& joints);
 
 /// The links of a device, as far as its address says them: one of these, or none.
 struct Arm {
