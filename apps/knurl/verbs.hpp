@@ -4,7 +4,7 @@
 #include <knurl/commandline/command.hpp>
 #include <knurl/protocol/servo_address.hpp>
 
-namespace knurl::view {}  // <knurl/view/...>: what several programs show of a servo
+namespace knurl::view {}  // namespace knurl::view
 
 namespace knurl::cli {
 

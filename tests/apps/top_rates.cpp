@@ -28,7 +28,7 @@ ClientView client(std::uint32_t row, pid_t pid) {
 TEST(TopRates, AreDifferencesPerSecond) {
     const auto rates =
         view::rates_between(device({{"cycles", 1000}, {"late_cycles", 3}, {"overruns", 1}}),
-                           device({{"cycles", 1500}, {"late_cycles", 5}, {"overruns", 1}}), 0.5, {});
+                            device({{"cycles", 1500}, {"late_cycles", 5}, {"overruns", 1}}), 0.5, {});
     EXPECT_EQ(rates.rate, 1000);
     EXPECT_EQ(rates.late, 2u);
     EXPECT_EQ(rates.overruns, 0u);
@@ -51,7 +51,7 @@ TEST(TopRates, PartsAreMeansOfTheStampedCycles) {
 TEST(TopRates, TheRestOfThePeriodIsSleep) {
     const auto rates =
         view::rates_between(device({{"cycles", 100}, {"stamped_cycles", 1}}),
-                           device({{"cycles", 600}, {"stamped_cycles", 5}, {"write_ns", 24'000}}), 0.5, {});
+                            device({{"cycles", 600}, {"stamped_cycles", 5}, {"write_ns", 24'000}}), 0.5, {});
     EXPECT_EQ(rates.step, 6);
     EXPECT_EQ(rates.sleep, 994);
 }
@@ -96,7 +96,7 @@ TEST(TopRates, ClientsAreFoundAgainByTheirRow) {
     second_now.missed = 10;
     newcomer.commits = 30;
     const auto rates = view::rates_between(device({}, {first, second}),
-                                          device({}, {first_now, second_now, newcomer}), 0.5, {});
+                                           device({}, {first_now, second_now, newcomer}), 0.5, {});
     ASSERT_EQ(rates.clients.size(), 3u);
     EXPECT_EQ(rates.clients[0].updates, 20);
     EXPECT_EQ(rates.clients[1].updates, 1000);

@@ -1,10 +1,9 @@
-#include <knurl/view/rates.hpp>
-
 #include <algorithm>
 #include <string>
 #include <utility>
 
 #include <knurl/measure/measure.hpp>
+#include <knurl/view/rates.hpp>
 
 namespace knurl::view {
 

@@ -1,5 +1,3 @@
-#include <knurl/view/servo_view.hpp>
-
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
@@ -18,8 +16,8 @@
 #include <knurl/shm/broadcast_ring.hpp>
 #include <knurl/shm/counters.hpp>
 #include <knurl/shm/socket.hpp>
+#include <knurl/view/servo_view.hpp>
 #include <knurl/words/printable.hpp>
-
 
 namespace knurl::view {
 

@@ -1,8 +1,7 @@
-#include <knurl/view/text.hpp>
-
 #include <fmt/format.h>
 
 #include <knurl/protocol/report_names.hpp>
+#include <knurl/view/text.hpp>
 
 namespace knurl::view {
 
