@@ -51,7 +51,16 @@ class Child {
         output_ = shm::UniqueFd(ends[0]);
         const shm::UniqueFd theirs(ends[1]);
         const pid_t parent = ::getpid();
+        // Until the other program runs, a signal would meet this program's handlers in the child, and be lost.
+        sigset_t all, before;
+        ::sigfillset(&all);
+        ::pthread_sigmask(SIG_BLOCK, &all, &before);
         pid_ = ::fork();
+        if (pid_ == 0) {
+            for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, SIG_DFL);
+            std::signal(SIGPIPE, SIG_DFL);
+        }
+        ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
         if (pid_ < 0) throw std::runtime_error(std::string("cannot fork: ") + std::strerror(errno));
         if (pid_ == 0) {
             ::prctl(PR_SET_PDEATHSIG, SIGTERM);
@@ -66,6 +75,12 @@ class Child {
     ~Child() {
         if (pid_ <= 0) return;
         ::kill(pid_, SIGTERM);
+        constexpr int patience_ms = 5000;
+        for (int waited_ms = 0; waited_ms < patience_ms; waited_ms += 10) {
+            if (ended()) return;
+            ::usleep(10'000);
+        }
+        ::kill(pid_, SIGKILL);
         ::waitpid(pid_, nullptr, 0);
     }
     Child(const Child&) = delete;

@@ -36,7 +36,7 @@ TEST(GatewayBounds, SocketsAreNotThrownOut) {
     for (int i = 0; i < 4; ++i) open.push_back(served.open());
     Caller more(served.port);
     EXPECT_NE(more.read_to_the_end().find("503 Service Unavailable"), std::string::npos);
-    EXPECT_EQ(served.said("all connections are taken"), 1);
+    EXPECT_TRUE(test::eventually([&] { return served.said("all connections are taken") == 1; }));
     for (Caller& each : open) {
         each.send(frame(text_frame, "still here"));
         EXPECT_EQ(read_message(each).payload, "still here");
