@@ -205,6 +205,11 @@ TEST_F(InverseMessages, wrong_values_are_one_line_each) {
               std::string::npos);
 }
 
+TEST_F(InverseMessages, text_that_is_no_json_is_told_where) {
+    EXPECT_TRUE(complaint(say("{\"inverse3\":x}"))
+                    .starts_with("a message is no JSON: parse error at line 1, column 13"));
+}
+
 TEST_F(InverseMessages, a_client_that_is_wrong_all_the_time_is_told_so_seldom) {
     for (int i = 0; i < 1000; ++i) {
         command(R"("set_cursor_force":{})");

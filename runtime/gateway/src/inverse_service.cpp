@@ -173,7 +173,9 @@ void InverseService::publish(const InverseEvent& event) {
     json["data"] = event.data;
     json["message"] = event.message;
     const std::string text = json.dump();
-    for (Socket* const socket : listeners_) socket->send_text(text);
+    // A copy: who does not read is closed by this, and may be gone from the list before the next one.
+    for (Socket* const socket : std::set<Socket*>(listeners_))
+        if (listeners_.contains(socket)) socket->send_text(text);
 }
 
 std::uint64_t InverseService::begin_session(InverseSession& session) {

@@ -142,11 +142,12 @@ void InverseSession::text(std::string_view message) {
         read(json);
     } catch (const JsonError& error) {
         std::string_view what = error.what();
-        if (what.starts_with('['))
-            what.remove_prefix(std::min(what.find("] ") + 2, what.size()));  // the parser's number of it
+        if (what.starts_with('['))  // the parser's own number of it
+            what.remove_prefix(std::min(what.find("] ") + 2, what.size()));
         complain("message-refused", fmt::format("a message is no JSON: {}", what));
-    } catch (const InverseMistake& mistake) {
-        complain("message-refused", mistake.what());
+    } catch (
+        const std::exception& error) {  // a mistake of the client's; whatever it is, never a reason to close
+        complain("message-refused", error.what());
     }
     for (auto& [id, hold] : holds_)
         if (hold.hand) hold.hand->sent();

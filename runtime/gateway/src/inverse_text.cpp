@@ -179,8 +179,8 @@ void write_status(std::string& out, const InverseLook& look, const Report& repor
         state < protocol::state_names.size() && look.device.connected ? protocol::state_names[state].name
                                                                       : "disconnected");
     write_faults(out, report.faults);
-    fmt::format_to(std::back_inserter(out), R"(,"claimed":{},"armed":{}}}}})", boolean(look.peer.claimed),
-                   boolean(look.peer.armed));
+    fmt::format_to(std::back_inserter(out), R"(,"claimed":{},"armed":{},"late_cycles":{}}}}})",
+                   boolean(look.peer.claimed), boolean(look.peer.armed), report.late_count);
 }
 
 void write_grip(std::string& out, const InverseLook& look, const Report& report, bool full) {
