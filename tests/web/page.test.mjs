@@ -152,6 +152,28 @@ test("playground: a preset, a slider that moves it, what is refused, removed", (
     const toml = await tab.inputValue("#exported");
     for (const kind of kinds) assert.ok(toml.includes(`[[${kind}]]`), kind);
     await shot(tab, "export");
+    if (process.env.KNURL) {
+      // What was exported is a scene for the programs.
+      const { mkdtempSync, rmSync, writeFileSync } = await import("node:fs");
+      const folder = mkdtempSync("/tmp/knurl-web-");
+      writeFileSync(`${folder}/scene.toml`, toml);
+      writeFileSync(`${folder}/motion.csv`, "t,x,y,z\n0,0,0,0.05\n1,0,0,-0.01\n");
+      const { spawnSync } = await import("node:child_process");
+      const eval_ = spawnSync(process.env.KNURL, ["eval", "--scene", `${folder}/scene.toml`, "--motion", `${folder}/motion.csv`, "--out", `${folder}/out.csv`], { encoding: "utf8" });
+      assert.equal(eval_.status, 0, eval_.stderr);
+      assert.ok(readFileSync(`${folder}/out.csv`, "utf8").split("\n").length > 900);
+      rmSync(folder, { recursive: true });
+    }
+    if (shots) {
+      const { writeFileSync } = await import("node:fs");
+      await tab.keyboard.press("Escape");
+      for (const [button, name] of [["#to-toml", "scene.toml"], ["#to-cpp", "scene.cpp"], ["#to-python", "scene.py"]]) {
+        await tab.click(button);
+        writeFileSync(resolve(shots, name), await tab.inputValue("#exported"));
+        await tab.click("#export-dialog [data-close]");
+      }
+      await tab.click("#to-toml");
+    }
     await tab.keyboard.press("Escape");
     await tab.click("#clear");
     await until(tab, "all is removed", async () => (await mine(tab)).length === 0);
