@@ -68,13 +68,18 @@ test("opens: the device, its hand, its workspace; reports come", () =>
   with_page(async (tab) => {
     for (const name of ["device", "hand", "workspace", "trail", "force", "arm"]) await sceneHas(tab, `${name}:0`);
     await tab.waitForFunction(() => window.knurl.model.current().history.held > 500);
-    const { i, place, shown } = await tab.evaluate(() => {
-      const device = window.knurl.model.current();
-      return { i: device.info.i, place: device.frame.p, shown: window.knurl.scene.getObjectByName("hand:0").position.toArray() };
-    });
+    // Within a frame, after the page has drawn: no message comes between.
+    const { i, place, shown } = await tab.evaluate(
+      () =>
+        new Promise((done) =>
+          requestAnimationFrame(() => {
+            const device = window.knurl.model.current();
+            done({ i: device.info.i, place: device.frame.p, shown: window.knurl.scene.getObjectByName("hand:0").position.toArray() });
+          }),
+        ),
+    );
     assert.equal(i, 0);
-    // Drawn where it was, at most a few frames ago.
-    assert.ok(Math.hypot(...place.map((x, k) => x - shown[k])) < 0.02, `${place} is drawn at ${shown}`);
+    assert.deepEqual(shown, place);
     assert.equal(await tab.locator("#banner").isHidden(), true);
     assert.match(await tab.locator("#servo").textContent(), /pid \d+/);
   }));
@@ -147,6 +152,28 @@ test("playground: a preset, a slider that moves it, what is refused, removed", (
     const toml = await tab.inputValue("#exported");
     for (const kind of kinds) assert.ok(toml.includes(`[[${kind}]]`), kind);
     await shot(tab, "export");
+    if (process.env.KNURL) {
+      // What was exported is a scene for the programs.
+      const { mkdtempSync, rmSync, writeFileSync } = await import("node:fs");
+      const folder = mkdtempSync("/tmp/knurl-web-");
+      writeFileSync(`${folder}/scene.toml`, toml);
+      writeFileSync(`${folder}/motion.csv`, "t,x,y,z\n0,0,0,0.05\n1,0,0,-0.01\n");
+      const { spawnSync } = await import("node:child_process");
+      const eval_ = spawnSync(process.env.KNURL, ["eval", "--scene", `${folder}/scene.toml`, "--motion", `${folder}/motion.csv`, "--out", `${folder}/out.csv`], { encoding: "utf8" });
+      assert.equal(eval_.status, 0, eval_.stderr);
+      assert.ok(readFileSync(`${folder}/out.csv`, "utf8").split("\n").length > 900);
+      rmSync(folder, { recursive: true });
+    }
+    if (shots) {
+      const { writeFileSync } = await import("node:fs");
+      await tab.keyboard.press("Escape");
+      for (const [button, name] of [["#to-toml", "scene.toml"], ["#to-cpp", "scene.cpp"], ["#to-python", "scene.py"]]) {
+        await tab.click(button);
+        writeFileSync(resolve(shots, name), await tab.inputValue("#exported"));
+        await tab.click("#export-dialog [data-close]");
+      }
+      await tab.click("#to-toml");
+    }
     await tab.keyboard.press("Escape");
     await tab.click("#clear");
     await until(tab, "all is removed", async () => (await mine(tab)).length === 0);
@@ -165,6 +192,14 @@ test("a mesh is dropped, sent and drawn; a file that is none is one line", () =>
     await tab.setInputFiles("#mesh-file", { name: "broken.stl", mimeType: "model/stl", buffer: Buffer.from("solid x") });
     await tab.waitForSelector(".toast.error");
     assert.match(await tab.locator(".toast.error").first().textContent(), /^broken\.stl: /);
+    // The same by a drop.
+    const before = (await mine(tab)).length;
+    await tab.evaluate((text) => {
+      const data = new DataTransfer();
+      data.items.add(new File([text], "dropped.stl"));
+      window.dispatchEvent(new DragEvent("drop", { dataTransfer: data, bubbles: true, cancelable: true }));
+    }, `solid plate\n${facet}${back}endsolid plate\n`);
+    await until(tab, "the dropped one is there", async () => (await mine(tab)).length === before + 1);
     await tab.setInputFiles("#mesh-file", { name: "letter.docx", mimeType: "x/y", buffer: Buffer.from("x") });
     await says(tab, /letter\.docx: neither STL, OBJ nor PLY/);
     await tab.click("#clear");
@@ -236,6 +271,33 @@ test("silent clients' things are pale, sleeping ones grey, and the pointer says 
       return window.knurl.view.describe(device, [...device.items.values()][0]);
     });
     assert.match(says, /^plane, slot \d+, of floor \(pid \d+\)\nstiffness 800 N\/m/);
+    await make("do=clear");
+  }));
+
+test("the pointer finds what is drawn alone, and what is drawn together with others", onlyMock, () =>
+  with_page(async (tab) => {
+    for (const [what, drawn] of [["do=show", "alone"], ["do=hundred&n=60", "together"]]) {
+      await make("do=clear");
+      await tab.waitForFunction(() => window.knurl.model.current().items.size === 0);
+      await make(what);
+      // A ball, looked at from above, so that nothing is in front of its middle but what is above it.
+      const item = await until(tab, "a ball is there", () => tab.evaluate(() => [...window.knurl.model.current().items.values()].find((entry) => entry.kind === "sphere")));
+      await sceneHas(tab, `item:${item.claim}:${item.slot}`);
+      if (drawn === "together") await tab.waitForFunction((n) => window.knurl.scene.getObjectByName(n).children[0].layers.mask === 2, `item:${item.claim}:${item.slot}`);
+      const box = await tab.locator("#scene").boundingBox();
+      const place = () =>
+        tab.evaluate(({ n }) => {
+          const { scene, view } = window.knurl;
+          const p = scene.getObjectByName(n).getWorldPosition(view.camera.position.clone()).project(view.camera);
+          return { x: (p.x + 1) / 2, y: (1 - p.y) / 2 };
+        }, { n: `item:${item.claim}:${item.slot}` });
+      const { x, y } = await place();
+      await tab.mouse.move(box.x + x * box.width + 1, box.y + y * box.height + 1);
+      await tab.mouse.move(box.x + x * box.width, box.y + y * box.height);
+      await tab.waitForFunction(() => !document.querySelector("#tip").hidden);
+      assert.match(await tab.locator("#tip").textContent(), /slot \d+, of .+ \(pid \d+\)/);
+      await shot(tab, `hover_${drawn}`);
+    }
     await make("do=clear");
   }));
 

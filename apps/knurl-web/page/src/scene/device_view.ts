@@ -20,11 +20,13 @@ import {
 import { type Device, type SeenItem, itemKey, mood } from "../model.ts";
 import { type Claim, type DeviceFrame } from "../protocol.ts";
 import { heat, palette } from "../theme.ts";
+import { Batch } from "./batch.ts";
 import { Paint, type Drawing, type Surroundings, dispose, lines } from "./drawing.ts";
 import { draw } from "./drawers.ts";
 import { moved } from "./solids.ts";
 
-const trailPoints = 1200;
+const heats = new Float32Array(Array.from({ length: 256 }, (_, k) => heat(k / 255)).flat());
+const trailPoints = 800;
 const trailSeconds = 4;
 
 interface Drawn {
@@ -33,7 +35,12 @@ interface Drawn {
   paint: Paint;
   version: number;
   look: string;
+  /** performance.now() of the last change. */
+  changed: number;
 }
+/** ms for which a thing has to stand still to be drawn together with others, and fewer than so many are not worth it. */
+const calm = 700;
+const fewest = 12;
 interface ClaimGroup {
   root: Group;
   probes: Mesh[];
@@ -57,9 +64,13 @@ export class DeviceView {
   private readonly workspace: LineSegments;
   private readonly floor: LineSegments;
   readonly trail: Line;
+  private readonly axes: LineSegments;
   private readonly claims = new Map<number, ClaimGroup>();
   private readonly drawn = new Map<string, Drawn>();
   private seen = -1;
+  private readonly batch = new Batch();
+  private batched = "";
+  private nextBatch = 0;
   private place = new Vector3();
   target: Vector3 | null = null;
   private trailCount = -1;
@@ -75,6 +86,7 @@ export class DeviceView {
       return object;
     };
     named(this.root, "device");
+    this.root.add(this.batch.root);
     this.hand = named(new Mesh(new SphereGeometry(0.028 * radius, 24, 16), new MeshLambertMaterial()), "hand");
     this.ring = named(new Mesh(new TorusGeometry(0.05 * radius, 0.004 * radius, 8, 32), new MeshLambertMaterial()), "orientation");
     this.contact = named(new Mesh(new SphereGeometry(0.02 * radius, 16, 12), new MeshLambertMaterial()), "contact");
@@ -101,6 +113,9 @@ export class DeviceView {
     trail.setAttribute("position", new BufferAttribute(new Float32Array(3 * trailPoints), 3).setUsage(DynamicDrawUsage));
     trail.setAttribute("color", new BufferAttribute(new Float32Array(3 * trailPoints), 3).setUsage(DynamicDrawUsage));
     this.trail = named(new Line(trail, new LineBasicMaterial({ vertexColors: true })), "trail");
+    this.axes = named(new LineSegments(triad(), new LineBasicMaterial({ vertexColors: true })), "frame");
+    this.axes.scale.setScalar(0.2 * radius);
+    this.root.add(this.axes);
     for (const object of [this.trail, this.proxy, this.pull, this.armLine]) object.frustumCulled = false;
     this.root.add(this.workspace, this.floor, this.arm, this.trail, this.proxy, this.pull, this.contact, this.force.root, this.sceneForce.root, this.torque, this.ring, this.hand);
     this.colour();
@@ -149,6 +164,18 @@ export class DeviceView {
     // A point of the world w lies at (w - world_centre) / scale + device_centre.
     const { scale, device_centre: dc, world_centre: wc } = claim.frame;
     group.root.scale.setScalar(1 / scale);
+    // Its own frame, where that is another than the device's.
+    const own = scale !== 1 || dc.some((x, k) => x !== wc[k]);
+    let axes = group.root.getObjectByName(`frame:${claim.claim}:claim`);
+    if (own && !axes) {
+      axes = new LineSegments(triad(), new LineBasicMaterial({ vertexColors: true }));
+      axes.name = `frame:${claim.claim}:claim`;
+      group.root.add(axes);
+    }
+    if (axes) {
+      axes.visible = own;
+      axes.scale.setScalar(0.14 * this.device.info.radius * scale);
+    }
     group.root.position.set(dc[0] - wc[0] / scale, dc[1] - wc[1] / scale, dc[2] - wc[2] / scale);
     return group;
   }
@@ -195,13 +222,14 @@ export class DeviceView {
       drawing.root.name = `item:${item.claim}:${item.slot}`;
       drawing.root.userData.item = key;
       this.groupOf(claim).root.add(drawing.root);
-      this.drawn.set(key, { item, drawing, paint, version: -1, look: "" });
+      this.drawn.set(key, { item, drawing, paint, version: -1, look: "", changed: performance.now() });
     }
   }
 
   /** `frame`: what is shown; of a recording, that at the cursor. */
   update(frame: DeviceFrame | null, until: number, time: number, chosen: boolean, silent: (claim: Claim) => boolean): void {
-    if (this.device.version !== this.seen) {
+    const gone = this.device.version !== this.seen;
+    if (gone) {
       this.reconcile();
       this.seen = this.device.version;
     }
@@ -211,6 +239,8 @@ export class DeviceView {
     const around = new Map<number, Surroundings>();
     for (const claim of this.device.claims.values()) around.set(claim.claim, this.surroundings(claim, frame, time));
     const now = performance.now();
+    let looks = false;
+    let moves = false;
     for (const drawn of this.drawn.values()) {
       const { item, drawing, paint } = drawn;
       const where = around.get(item.claim);
@@ -220,22 +250,29 @@ export class DeviceView {
         drawing.update(item.params, where);
         drawn.version = item.version;
         drawn.look = "";
+        drawn.changed = now;
+        moves = true;
       } else drawing.tick?.(where);
       if (item.params.velocity) {
         const by = moved(item.params, (now - item.since) / 1000);
         if (by) {
           drawing.update(item.params, where);
           drawing.root.position.add(by);
+          drawn.changed = now;
+          moves = true;
         }
       }
       const now_ = mood(item, silent(claim));
       const look = `${now_} ${claim.mine} ${drawing.root.children.length}`;
       if (look === drawn.look) continue;
       drawn.look = look;
+      looks = true;
       const colour = claim.mine ? colours.mine : colours.claims[claim.row % colours.claims.length];
       paint.set(now_ === "asleep" ? colours.asleep : colour, now_ === "faded" ? 0.25 : now_ === "asleep" ? 0.5 : now_ === "touched" ? 1.7 : 1);
       drawing.root.userData.mood = now_;
     }
+    if (looks) this.batch.colour();
+    this.gather(now, moves || gone);
     for (const object of [this.hand, this.ring, this.force.root, this.sceneForce.root, this.arm]) object.visible = frame !== null;
     this.contact.visible = this.proxy.visible = this.torque.visible = this.pull.visible = false;
     this.updateTrail(until);
@@ -274,6 +311,18 @@ export class DeviceView {
     }
     this.updateArm(frame);
     if (this.target) join(this.pull, this.place, this.target);
+  }
+
+  /** What has stood still for a while is drawn together. */
+  private gather(now: number, changed: boolean): void {
+    if (!changed && now < this.nextBatch) return;
+    this.nextBatch = now + calm;
+    const still = [...this.drawn].filter(([, drawn]) => !drawn.drawing.tick && drawn.item.kind !== "shape" && now - drawn.changed > calm);
+    const wanted = still.length < fewest ? [] : still;
+    const key = wanted.map(([name, drawn]) => `${name}:${drawn.item.generation}:${drawn.version}`).join();
+    if (key === this.batched) return;
+    this.batched = key;
+    this.batch.take(wanted.map(([, drawn]) => drawn.drawing.root), this.root);
   }
 
   private updateArm(frame: DeviceFrame): void {
@@ -336,7 +385,8 @@ export class DeviceView {
     for (let k = first; k < to && n < trailPoints; k += stride) {
       const place = history.place(k);
       position.setXYZ(n, c.px[place], c.py[place], c.pz[place]);
-      colour.setXYZ(n, ...heat(Math.hypot(c.fx[place], c.fy[place], c.fz[place]) / peak));
+      const at = 3 * Math.min(255, Math.round((255 * Math.sqrt(c.fx[place] ** 2 + c.fy[place] ** 2 + c.fz[place] ** 2)) / peak));
+      colour.setXYZ(n, heats[at], heats[at + 1], heats[at + 2]);
       n++;
     }
     position.needsUpdate = colour.needsUpdate = true;
@@ -396,6 +446,14 @@ class Arrow {
     this.head.position.z = length;
     this.head.scale.set(width, width, head);
   }
+}
+
+/** Axes in their colours: x red, y green, z blue. */
+function triad(): BufferGeometry {
+  const geometry = new BufferGeometry();
+  geometry.setAttribute("position", new BufferAttribute(new Float32Array([0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 1]), 3));
+  geometry.setAttribute("color", new BufferAttribute(new Float32Array([1, 0.3, 0.25, 1, 0.3, 0.25, 0.3, 0.75, 0.35, 0.3, 0.75, 0.35, 0.3, 0.55, 1, 0.3, 0.55, 1]), 3));
+  return geometry;
 }
 
 /** Three circles and two parallels of a ball. */

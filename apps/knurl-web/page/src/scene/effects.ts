@@ -1,5 +1,5 @@
 // Effects: springs, magnets, constraints, fields as arrows on a grid, and what acts wherever the hand is.
-import { BufferGeometry, Group, LineSegments, Mesh, OctahedronGeometry, SphereGeometry, Vector3 } from "three";
+import { type BufferAttribute, BufferGeometry, Group, LineSegments, Mesh, OctahedronGeometry, SphereGeometry, Vector3 } from "three";
 import { type Drawing, type Paint, type Surroundings, across, arrowLines, direction, lines, pointsGeometry, real, replace, up, vector } from "./drawing.ts";
 import { Patch } from "./planes.ts";
 import { type Params, num } from "../protocol.ts";
@@ -215,7 +215,7 @@ export const gravity = (paint: Paint): Drawing =>
 export function viscosity(paint: Paint): Drawing {
   const root = new Group();
   const haze = lines(drops(), paint.line);
-  const drag = new LineSegments(new BufferGeometry(), paint.line);
+  const drag = lines(new Float32Array(18), paint.line); // one arrow
   drag.frustumCulled = false;
   root.add(haze, drag);
   let damping = 0;
@@ -224,7 +224,10 @@ export function viscosity(paint: Paint): Drawing {
     haze.scale.setScalar(0.3 * around.radius);
     const out: number[] = [];
     arrowLines(out, around.hand, around.velocity.clone().multiplyScalar((-damping * around.radius) / around.peakForce));
-    replace(drag, pointsGeometry(out));
+    const position = drag.geometry.getAttribute("position") as BufferAttribute;
+    drag.visible = out.length > 0;
+    position.array.set(out);
+    position.needsUpdate = true;
   };
   return {
     root,

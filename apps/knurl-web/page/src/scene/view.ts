@@ -21,6 +21,7 @@ import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { type Device, type Model, type SeenItem, frameFromHistory } from "../model.ts";
 import { type Claim, type DeviceFrame, decodeAsset } from "../protocol.ts";
 import { onTheme, palette } from "../theme.ts";
+import { batchedLayer } from "./batch.ts";
 import { DeviceView } from "./device_view.ts";
 
 const heavy = 20_000; // triangles; above it a box stands for a mesh when the mouse looks for it
@@ -69,6 +70,7 @@ export class View {
     private readonly events: ViewEvents,
   ) {
     this.scene.name = "knurl";
+    this.ray.layers.enable(batchedLayer);
     this.camera.up.set(0, 0, 1);
     this.camera.position.set(0.4, 0, 0.12); // where the user sits
     try {
