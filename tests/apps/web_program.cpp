@@ -20,8 +20,9 @@ using testing::StartsWith;
 
 std::string port_of(const std::string& said) {
     std::smatch found;
-    return std::regex_search(said, found, std::regex("http://127\\.0\\.0\\.1:(\\d+)/\\?token=[0-9a-f]{32}\n")) ? found[1].str()
-                                                                                                              : "none";
+    return std::regex_search(said, found, std::regex("http://127\\.0\\.0\\.1:(\\d+)/\\?token=[0-9a-f]{32}\n"))
+               ? found[1].str()
+               : "none";
 }
 
 TEST(WebProgram, PrintsAnAddressAndAnotherOnASignal) {
@@ -46,7 +47,8 @@ TEST(WebProgram, PortThatIsTaken) {
     const std::string address = "127.0.0.1:" + port_of(web.said());
     const auto other = run({KNURL_WEB_PROGRAM, "--listen", address, "--no-inverse"});
     EXPECT_EQ(other.code, 1);
-    EXPECT_EQ(other.err, "knurl-web: cannot listen at " + address + ": knurl-web (pid " + std::to_string(web.pid()) +
+    EXPECT_EQ(other.err, "knurl-web: cannot listen at " + address + ": knurl-web (pid " +
+                             std::to_string(web.pid()) +
                              ") has this port; end it, or give another --listen\n");
     // Its own default may be taken: the page comes nevertheless. What was asked for must be there.
     const auto inverse = run({KNURL_WEB_PROGRAM, "--listen", "127.0.0.1:0", "--inverse", address});
@@ -69,9 +71,12 @@ TEST(WebProgram, WordsThatMakeNoSense) {
 
 TEST(WebVerb, StartsASimulatedServoAndEndsBoth) {
     const Home home;
-    Background verb({knurl::test::knurl_program(), "web", "--listen", "127.0.0.1:0", "--web-option=--no-inverse"});
+    Background verb(
+        {knurl::test::knurl_program(), "web", "--listen", "127.0.0.1:0", "--web-option=--no-inverse"});
     ASSERT_TRUE(verb.says("another token")) << verb.said();
-    EXPECT_THAT(verb.said(), StartsWith("knurl web: no servo 'default' runs: this one is simulated (right=sim:premium15)\n"));
+    EXPECT_THAT(
+        verb.said(),
+        StartsWith("knurl web: no servo 'default' runs: this one is simulated (right=sim:premium15)\n"));
     EXPECT_NE(port_of(verb.said()), "none") << verb.said();
     const std::size_t at = verb.said().find("kill -USR1 ");
     const pid_t web = std::stoi(verb.said().substr(at + 11));
@@ -83,7 +88,8 @@ TEST(WebVerb, StartsASimulatedServoAndEndsBoth) {
 TEST(WebVerb, ShowsTheServoThatRuns) {
     const Home home;
     const knurl::test::Servo servo({"--device", "sim:premium15"});
-    Background verb({knurl::test::knurl_program(), "web", "--listen", "127.0.0.1:0", "--web-option=--no-inverse"});
+    Background verb(
+        {knurl::test::knurl_program(), "web", "--listen", "127.0.0.1:0", "--web-option=--no-inverse"});
     ASSERT_TRUE(verb.says("another token")) << verb.said();
     EXPECT_THAT(verb.said(), StartsWith("knurl-web: servo 'default' is at http://"));
 }

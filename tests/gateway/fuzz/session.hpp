@@ -61,7 +61,8 @@ inline Site site() {
          .answer =
              [](const Request& request) {
                  require(request.path.starts_with("/open"), "the path is the route's");
-                 for (const char c : request.path) require(static_cast<unsigned char>(c) >= ' ', "no control characters");
+                 for (const char c : request.path)
+                     require(static_cast<unsigned char>(c) >= ' ', "no control characters");
                  return Response{.body = request.path, .etag = "a"};
              }},
         {.method = "POST",
@@ -78,14 +79,16 @@ inline Site site() {
          .access = {.needs = Role::control, .without_key = Role::observe},
          .answer = never},
     };
-    made.sockets = {{.path = "/live",
-                     .make = [](Socket&, const std::string&) -> std::unique_ptr<SocketHandler> {
-                         require(false, "nobody has a session");
-                         return nullptr;
-                     }},
-                    {.path = "/socket", .access = everybody, .most_message = 4096, .make = [](Socket& socket, const std::string&) {
-                         return std::make_unique<Mirror>(socket);
-                     }}};
+    made.sockets = {
+        {.path = "/live",
+         .make = [](Socket&, const std::string&) -> std::unique_ptr<SocketHandler> {
+             require(false, "nobody has a session");
+             return nullptr;
+         }},
+        {.path = "/socket",
+         .access = everybody,
+         .most_message = 4096,
+         .make = [](Socket& socket, const std::string&) { return std::make_unique<Mirror>(socket); }}};
     return made;
 }
 
