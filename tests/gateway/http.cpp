@@ -35,6 +35,20 @@ TEST(GatewayLogin, TokenWorksOnce) {
     EXPECT_NE(again.body.find("SIGUSR1"), std::string::npos) << again.body;
 }
 
+TEST(GatewayLogin, LookingAheadUsesNoToken) {
+    Served served;
+    EXPECT_EQ(served.ask(served.request("HEAD /?token=" + served.token)).status, 403);
+    EXPECT_EQ(served.ask(served.request("GET /?token=" + served.token)).status, 303);
+}
+
+TEST(GatewayLogin, WhoHasASessionMayOpenTheOldAddressAgain) {
+    Served served;
+    const std::string cookie = served.cookie();
+    const Answer again = served.ask(served.request("GET /?token=used", cookie));
+    EXPECT_EQ(again.status, 303);
+    EXPECT_EQ(again.header("Set-Cookie"), "");
+}
+
 TEST(GatewayLogin, TokenThatIsNoneOrOldOpensNothing) {
     Served served;
     std::string wrong = served.token;

@@ -256,9 +256,14 @@ void Server::Core::accept(const std::shared_ptr<Door>& door) {
     door->callers.async_wait(
         asio::posix::stream_descriptor::wait_read, [this, door](const boost::system::error_code& error) {
             if (error || stopped) return;
-            for (int i = 0; i < most_accepts; ++i)
-                if (!accept_one(door)) break;
-            const int why = errno;
+            int why = 0;
+            try {
+                for (int i = 0; i < most_accepts && accept_one(door); ++i) {
+                }
+                why = errno;
+            } catch (const std::bad_alloc&) {
+                why = ENOMEM;
+            }
             if (why != EMFILE && why != ENFILE && why != ENOBUFS && why != ENOMEM) return accept(door);
             // The callers stay where they are until a descriptor is free: looked for again soon,
             // not at once.

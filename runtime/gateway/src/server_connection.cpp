@@ -398,6 +398,11 @@ class Connection final : public Peer, public std::enable_shared_from_this<Connec
             "origin"};
     }
 
+    std::optional<Identity> by_cookie(Clock::time_point now) {
+        return core_.sessions.by_cookie(
+            cookie_of(view(parser_->get()[http::field::cookie]), listener_->cookie), now);
+    }
+
     std::optional<Refusal> identify(const Access& access) {
         const auto& request = parser_->get();
         const auto now = Clock::now();
@@ -410,10 +415,7 @@ class Connection final : public Peer, public std::enable_shared_from_this<Connec
             if (!found)
                 return Refusal{401, "Authorization: Bearer KEY takes a key of the keys file (--keys)", "key"};
         }
-        if (!found)
-            if (const auto secret = cookie_of(view(request[http::field::cookie]), listener_->cookie);
-                !secret.empty())
-                found = core_.sessions.by_cookie(secret, now);
+        if (!found) found = by_cookie(now);
         if (!found && access.without_key && listener_->this_host)
             found = Identity{.role = *access.without_key, .session = {}};
         if (!found)
@@ -488,7 +490,8 @@ class Connection final : public Peer, public std::enable_shared_from_this<Connec
         const auto& request = parser_->get();
         head_only_ = request.method() == http::verb::head;
         const std::string method = head_only_ ? "GET" : std::string(view(request.method_string()));
-        if (method == "GET" && listener_->site.login && target_.path == "/" &&
+        // Not HEAD: whoever previews an address must not use up its token.
+        if (method == "GET" && !head_only_ && listener_->site.login && target_.path == "/" &&
             (target_.query.contains("token") || target_.query.contains("key")))
             return login();
         const HttpRoute* route = nullptr;
@@ -517,6 +520,8 @@ class Connection final : public Peer, public std::enable_shared_from_this<Connec
         reserved_ = reserve;
         parser_->body_limit(route->most_body);
         route_ = route;
+        // What somebody known sends is not cut off for callers who ask for nothing.
+        if (!identity_.session.empty()) state_ = State::answers;
         deadline = Clock::now() + time_for(core_.options.request_time, reserve);
         if (reserve > 0 && lower(view(request[http::field::expect])) == "100-continue") {
             static constexpr std::string_view go_on = "HTTP/1.1 100 Continue\r\n\r\n";
@@ -605,24 +610,26 @@ class Connection final : public Peer, public std::enable_shared_from_this<Connec
     /// GET /?token=... or ?key=...: a session, and the page without the secret in its address.
     std::optional<Refusal> login() {
         const auto now = Clock::now();
-        std::optional<std::string> secret;
         const auto token = target_.query.find("token");
         const auto key = target_.query.find("key");
-        if (token != target_.query.end()) {
-            if (listener_->this_host) secret = core_.sessions.login_by_token(token->second, now);
-            if (!secret)
-                return Refusal{403,
-                               "this token was used already, is too old, or is none: the server prints a new "
-                               "one on SIGUSR1",
-                               "token"};
-        } else {
+        const bool by_token = token != target_.query.end();
+        std::optional<std::string> secret;
+        if (!by_token)
             secret = core_.sessions.login_by_key(key->second, now);
-            if (!secret) return Refusal{403, "no such key in the keys file (--keys)", "key"};
-        }
+        else if (listener_->this_host)
+            secret = core_.sessions.login_by_token(token->second, now);
+        std::string extra = "Location: /\r\n";
+        if (secret)
+            extra += fmt::format("Set-Cookie: {}={}; HttpOnly; SameSite=Strict; Path=/{}\r\n",
+                                 listener_->cookie, *secret, listener_->this_host ? "" : "; Secure");
+        else if (!by_cookie(now))  // who has a session may open an old address again
+            return by_token ? Refusal{403,
+                                      "this token was used already, is too old, or is none: the server "
+                                      "prints a new one on "
+                                      "SIGUSR1",
+                                      "token"}
+                            : Refusal{403, "no such key in the keys file (--keys)", "key"};
         Response response{.status = 303, .body = "begin at /\n"};
-        std::string extra =
-            fmt::format("Location: /\r\nSet-Cookie: {}={}; HttpOnly; SameSite=Strict; Path=/{}\r\n",
-                        listener_->cookie, *secret, listener_->this_host ? "" : "; Secure");
         send(std::move(response), std::move(extra), parser_->get().keep_alive() && parser_->is_done());
         return {};
     }
