@@ -231,6 +231,31 @@ TEST_F(Foxglove, ASlowPeerGetsTheNewestNotAQueue) {
     EXPECT_EQ(decoded_scene(frames(other, 2).back()).size(), 1u) << "the last sphere alone";
 }
 
+TEST_F(Foxglove, APeerThatStoodStillGetsTheReportsOfAWhile) {
+    FakeSocket socket;
+    SocketHandler& handler = open(socket);
+    tick(5);
+    subscribe(handler, socket, 1, "/right/report");
+    tick(10);
+    EXPECT_EQ(frames(socket, 1).size(), 10u) << "none of before";
+    socket.is_idle = false;
+    for (int i = 0; i < 6; ++i) tick(16);
+    socket.is_idle = true;
+    tick(16);
+    ASSERT_EQ(frames(socket, 1).size(), 10u + 7 * 16);
+    std::uint64_t last = 5;
+    for (const Frame& frame : frames(socket, 1)) {
+        std::uint64_t number = 0;
+        std::memcpy(&number, frame.body.data() + 4, sizeof number);
+        ASSERT_EQ(number, ++last);
+    }
+    socket.is_idle = false;
+    for (int i = 0; i < 100; ++i) tick(16);
+    socket.is_idle = true;
+    tick(16);
+    EXPECT_EQ(frames(socket, 1).size(), 10u + 7 * 16 + 1024) << "the newest; it is bounded";
+}
+
 TEST_F(Foxglove, ASceneIsSentWhenItChanges) {
     FakeSocket first, second;
     SocketHandler& handler = open(first);

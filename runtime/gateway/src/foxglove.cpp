@@ -2,6 +2,7 @@
 #include <array>
 #include <cstdlib>
 #include <cstring>
+#include <deque>
 #include <map>
 #include <optional>
 #include <set>
@@ -35,6 +36,7 @@ using Time = std::chrono::steady_clock::time_point;
 constexpr auto diagnostics_every = std::chrono::seconds(1);
 constexpr auto parameters_every = std::chrono::milliseconds(250);  // however often they change
 constexpr std::size_t most_listed = 256;                           // items in the parameters
+constexpr std::size_t most_reports = 1024;                         // for a peer that stood still for a while
 constexpr std::int64_t millisecond = 1'000'000;                    // ns
 
 std::int64_t clock_ns(clockid_t clock) {
@@ -59,8 +61,8 @@ struct Open {
     bool made_since = false;  // since somebody has subscribed
     std::uint64_t cycle = 0;  // of the newest report that was sent
     Stamped newest;
-    // Of reports: all since the last tick.
-    std::vector<Stamped> fresh;
+    // Of reports: the newest ones, the last of which is number `sequence`.
+    std::deque<Stamped> reports;
     // Of parameters and diagnostics.
     std::uint64_t version = 0;
     std::optional<Time> made;
@@ -215,7 +217,7 @@ struct FoxgloveSource::Impl {
     void unsubscribe(std::uint32_t channel) {
         const auto found = channels.find(channel);
         if (found == channels.end() || --found->second.subscribers > 0) return;
-        found->second.fresh.clear();
+        found->second.reports.clear();
         found->second.made.reset();
         found->second.made_since = false;  // what it holds grows old
     }
@@ -271,10 +273,11 @@ struct FoxgloveSource::Impl {
     }
     void make(Open& open, const SeenDevice& device, Time now) {
         if (open.channel == Channel::report) {
-            open.fresh.clear();
-            for (const Report& report : device.fresh)
-                open.fresh.push_back({report.read_ns + offset_, messages::report_message(report)});
-            step(open);
+            for (const Report& report : device.fresh) {
+                open.reports.push_back({report.read_ns + offset_, messages::report_message(report)});
+                if (open.reports.size() > most_reports) open.reports.pop_front();
+                step(open);
+            }
             return;
         }
         if (open.channel == Channel::scene) return;  // each subscription has changes of its own
@@ -494,6 +497,9 @@ class FoxgloveSocket : public SocketHandler {
                 wrong.push_back(fmt::format("{} subscriptions are the most", most_subscriptions));
             else {
                 subscriptions_[*id].channel = *channel;
+                // Of reports it gets those that come from now on.
+                if (const Open& open = source_.channels.at(*channel); open.channel == Channel::report)
+                    subscriptions_[*id].seen = open.sequence;
                 source_.subscribe(*channel);
             }
         }
@@ -523,11 +529,12 @@ class FoxgloveSocket : public SocketHandler {
             return;
         }
         if (!open.made_since || subscription.seen == open.sequence) return;
-        subscription.seen = open.sequence;
-        if (open.channel == Channel::report)
-            for (const Stamped& one : open.fresh) send(id, one);
-        else
-            send(id, open.newest);
+        const std::uint64_t seen = std::exchange(subscription.seen, open.sequence);
+        if (open.channel != Channel::report) return send(id, open.newest);
+        for (std::size_t i =
+                 open.reports.size() - std::min<std::uint64_t>(open.reports.size(), open.sequence - seen);
+             i < open.reports.size(); ++i)
+            send(id, open.reports[i]);
     }
     /// u8 1, u32 subscription, u64 time, the message; little endian.
     void send(std::uint32_t id, const Stamped& message) {
