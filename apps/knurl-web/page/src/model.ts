@@ -1,6 +1,7 @@
 // What the page knows: the servo, its devices, their scenes. Messages come in here; views read it once a frame.
 import { History } from "./history.ts";
 import {
+  type AssetMessage,
   type Claim,
   type DeviceFrame,
   type DeviceInfo,
@@ -76,6 +77,8 @@ export class Model {
   /** Seconds at which the recording is looked at. */
   cursor = 0;
   selected = 0;
+  /** Called with what became of a mesh. */
+  asset: (message: AssetMessage) => void = () => {};
   /** Called before a scene is forgotten. */
   forgetting: () => void = () => {};
   note: (level: string, text: string) => void = () => {};
@@ -195,6 +198,9 @@ export class Model {
           if (device.ages.length > 400) device.ages.shift();
         }
         this.tell("status");
+        break;
+      case "asset":
+        this.asset(message);
         break;
       case "note":
         this.note(message.level, message.text);

@@ -17,6 +17,8 @@ export interface Field {
   default: Value;
   choices?: string[];
   count?: number;
+  /** Infinity is legal besides the range. */
+  infinity?: boolean;
 }
 export interface Kind {
   name: string;
@@ -147,7 +149,22 @@ export interface Answer {
   error?: string;
   [key: string]: unknown;
 }
+/** What became of a mesh that was sent. */
+export interface AssetMessage {
+  op: "asset";
+  device: number;
+  name: string;
+  ok: boolean;
+  error?: string;
+  asset?: number;
+  triangles?: number;
+  faces?: number;
+  low?: Vec;
+  high?: Vec;
+  notes?: string[] | string;
+}
 export type Message =
+  | AssetMessage
   | Hello
   | Servo
   | { op: "frame"; t: number; devices: DeviceFrame[] }
