@@ -29,20 +29,23 @@ export async function mock(options) {
   await server.start();
   return server;
 }
+/** A token is good for one login: later pages have its session. */
+const sessions = new Map();
 /** Opens the page, and collects what it should never say. */
 export async function open(browser, url, options = {}) {
-  const context = await browser.newContext({ viewport: { width: 1400, height: 900 }, colorScheme: "dark", reducedMotion: "reduce", ...options });
+  const origin = new URL(url).origin;
+  const context = await browser.newContext({ storageState: sessions.get(url), viewport: { width: 1400, height: 900 }, colorScheme: "dark", reducedMotion: "reduce", ...options });
   const tab = await context.newPage();
   const wrong = [];
   const outside = [];
   tab.on("pageerror", (error) => wrong.push(String(error)));
   tab.on("console", (message) => /Content Security Policy|Refused to/i.test(message.text()) && wrong.push(message.text()));
-  const origin = new URL(url).origin;
   tab.on("request", (request) => {
     const to = new URL(request.url());
     if (!["data:", "blob:"].includes(to.protocol) && to.origin !== origin) outside.push(request.url());
   });
-  await tab.goto(url);
+  await tab.goto(sessions.has(url) ? `${origin}/` : url);
+  sessions.set(url, await context.storageState());
   await tab.waitForFunction(() => window.knurl && document.readyState === "complete");
   return Object.assign(tab, { wrong, outside, context_: context });
 }

@@ -306,8 +306,7 @@ export class Mock {
     switch (op) {
       case "add": {
         const item = this.put(device, mine(), message.kind, message.params, message.probe);
-        const k = item.params.stiffness;
-        return { slot: item.slot, generation: item.generation, claim: item.claim, applied_stiffness: k === undefined ? undefined : Math.min(k === "inf" ? 3105 : k, 3105) };
+        return { slot: item.slot, generation: item.generation };
       }
       case "set": {
         const item = itemOf();
@@ -477,8 +476,10 @@ export class Mock {
         const device = this.devices[Number(url.searchParams.get("device"))];
         const asset = device.assets.size + 1;
         device.assets.set(asset, mesh(2000));
-        const said = { op: "asset", device: Number(url.searchParams.get("device")), name: url.searchParams.get("name"), ok: true, asset, triangles: 2000, faces: 2000, notes: "" };
-        setTimeout(() => this.sockets.forEach((socket) => socket.send(JSON.stringify(said))), 50);
+        setTimeout(() => {
+          const message = { op: "asset", device: device.info.i, name: url.searchParams.get("name"), ok: true, asset, triangles: 2000, faces: 2000, low: [-0.07, -0.07, -0.01], high: [0.07, 0.07, 0.01], notes: [] };
+          for (const socket of this.sockets) socket.send(JSON.stringify(message));
+        }, 50);
         return give(200, "application/json", JSON.stringify({ ok: true }));
       }
       const asset = /^\/asset\/(\d+)\/(\d+)\/(\d+)$/.exec(url.pathname);

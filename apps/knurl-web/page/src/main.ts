@@ -57,6 +57,7 @@ const charts = new Charts(model);
 const panel = new Panel(model, () => connection);
 const playground = new Playground(model, () => connection);
 const player = new Player(model);
+model.asset = (message) => void playground.sent(message);
 model.forgetting = () => playground.remember();
 
 // ---- the mouse as a hand: one request at a time, the newest target wins

@@ -1,6 +1,7 @@
 // What the page knows: the servo, its devices, their scenes. Messages come in here; views read it once a frame.
 import { History } from "./history.ts";
 import {
+  type AssetMessage,
   type Claim,
   type DeviceFrame,
   type DeviceInfo,
@@ -11,7 +12,6 @@ import {
   type Kind,
   type Message,
   type Reports,
-  type SentMesh,
   type Servo,
   felt as flag,
   stateName,
@@ -65,7 +65,7 @@ export function itemKey(claim: number, slot: number): string {
 }
 
 type Listener = () => void;
-export type Topic = "hello" | "servo" | "scene" | "status" | "recording" | "link" | "selected" | "asset";
+export type Topic = "hello" | "servo" | "scene" | "status" | "recording" | "link" | "selected";
 
 export class Model {
   hello: Hello | null = null;
@@ -74,11 +74,11 @@ export class Model {
   kinds = new Map<string, Kind>();
   /** A recording that is looked at in place of the servo. */
   recording: Device | null = null;
-  /** The newest of its kind. */
-  sentMesh: SentMesh | null = null;
   /** Seconds at which the recording is looked at. */
   cursor = 0;
   selected = 0;
+  /** Called with what became of a mesh. */
+  asset: (message: AssetMessage) => void = () => {};
   /** Called before a scene is forgotten. */
   forgetting: () => void = () => {};
   note: (level: string, text: string) => void = () => {};
@@ -199,12 +199,11 @@ export class Model {
         }
         this.tell("status");
         break;
+      case "asset":
+        this.asset(message);
+        break;
       case "note":
         this.note(message.level, message.text);
-        break;
-      case "asset":
-        this.sentMesh = message;
-        this.tell("asset");
         break;
       case "answer":
         break;

@@ -2,8 +2,8 @@
 import { type ExportedAsset, toCpp, toPython, toToml } from "./code_export.ts";
 import type { Connection } from "./connection.ts";
 import { type Device, type Model, type SeenItem } from "./model.ts";
-import { type Field, type Params, type Value, num } from "./protocol.ts";
-import { byId, download, el, say, setText } from "./ui.ts";
+import { type AssetMessage, type Field, type Params, type Value, num } from "./protocol.ts";
+import { byId, download, el, say, setText, si } from "./ui.ts";
 
 export interface Range {
   low: number;
@@ -85,6 +85,11 @@ export function toSlider(value: number, range: Range): number {
 export function fromSlider(at: number, range: Range, zero = true): number {
   const value = !range.log ? range.low + (at / 1000) * (range.high - range.low) : at <= 0 && zero ? 0 : range.low * (range.high / range.low) ** ((Math.max(1, at) - 1) / 999);
   return +value.toPrecision(4);
+}
+
+/** A line about a file; the server's may begin with its name already. */
+function oneOf(name: string, text: string): string {
+  return text.startsWith(name) ? text : `${name}: ${text}`;
 }
 
 /** A preset: what it is, and its parameters at a hand's place. */
@@ -169,9 +174,9 @@ export class Playground {
   private touchedAt = 0;
   /** What this page had on a device when the connection or the servo was lost, by the device's name. */
   private readonly lost = new Map<string, SeenItem[]>();
+  /** Of files that were sent, until the server says what became of them. */
+  private readonly units = new Map<string, string>();
   private readonly files = new Map<string, ExportedAsset>();
-  /** The file of a mesh that the servo builds. */
-  private sending: { file: string; unit: string } | null = null;
 
   constructor(
     private readonly model: Model,
@@ -209,7 +214,6 @@ export class Playground {
     model.on("hello", () => this.kinds());
     model.on("scene", () => this.show());
     model.on("selected", () => this.show());
-    model.on("asset", () => void this.meshArrived());
   }
 
   private get device(): Device | undefined {
@@ -259,8 +263,7 @@ export class Playground {
     if (device) await this.request(op, { device: device.info.i });
   }
 
-  private async add(kind: string, params: Params): Promise<void> {
-    const device = this.device;
+  private async add(kind: string, params: Params, device = this.device): Promise<void> {
     if (!device) return say("warning", "There is no device to add something to.");
     const probe = Number(byId<HTMLInputElement>("probe").value) || 0;
     const answer = await this.request("add", { device: device.info.i, kind, params, probe });
@@ -471,7 +474,7 @@ export class Playground {
 
     const vectorial = field.type === "vector" || field.type === "quaternion";
     const angles = field.type === "quaternion";
-    const special = !vectorial && (field.default === "automatic" ? "automatic" : field.maximum === "inf" ? "inf" : "");
+    const special = !vectorial && (field.default === "automatic" ? "automatic" : field.maximum === "inf" || field.infinity || (field.name === "stiffness" && field.unit === "N/m") ? "inf" : "");
     const sliders: { slider: HTMLInputElement; number: HTMLInputElement; range: Range }[] = [];
     const put = (axis: number, value: number): void => {
       if (!Number.isFinite(value)) return;
@@ -531,7 +534,7 @@ export class Playground {
     const unit = byId<HTMLSelectElement>("mesh-unit").value;
     setText(byId("mesh-state"), `Sending ${file.name}, ${(file.size / 1e6).toFixed(1)} MB ...`);
     try {
-      const answer = await fetch(`./mesh?device=${device.info.i}&name=${encodeURIComponent(file.name)}&unit=${unit}`, { method: "POST", body: file });
+      const answer = await fetch(`./mesh?device=${device.info.i}&name=${encodeURIComponent(file.name)}${unit ? `&unit=${unit}` : ""}`, { method: "POST", body: file });
       const text = await answer.text();
       let said: { ok?: boolean; error?: string } = {};
       try {
@@ -540,34 +543,31 @@ export class Playground {
         // no JSON: the status says enough
       }
       if (!answer.ok || !said.ok) throw new Error(said.error ?? `refused (${answer.status})`);
-      this.sending = { file: file.name, unit };
-      setText(byId("mesh-state"), `${file.name} is being read and built ...`);
+      this.units.set(file.name, unit);
+      // It may have been read already.
+      if (byId("mesh-state").textContent?.startsWith("Sending")) setText(byId("mesh-state"), `The servo reads ${file.name} ...`);
     } catch (error) {
       setText(byId("mesh-state"), "");
-      say("error", `${file.name}: ${(error as Error).message}`);
+      say("error", oneOf(file.name, (error as Error).message));
     }
   }
-
-  /** The servo has the mesh, or has refused it. */
-  private async meshArrived(): Promise<void> {
-    const said = this.model.sentMesh;
-    const device = said && this.model.devices.get(said.device);
-    if (!said || !device || !this.sending) return;
-    const { file, unit } = this.sending;
-    this.sending = null;
-    if (!said.ok || said.asset === undefined) {
+  /** The server says what became of a mesh. */
+  async sent(message: AssetMessage): Promise<void> {
+    const device = this.model.devices.get(message.device);
+    if (!message.ok || message.asset === undefined) {
       setText(byId("mesh-state"), "");
-      say("error", `${file}: ${said.error ?? "refused"}`);
-      return;
+      return say("error", oneOf(message.name, message.error ?? "refused without a reason"));
     }
-    this.files.set(`${said.device}:${said.asset}`, { number: said.asset, file, unit });
-    setText(byId("mesh-state"), `${file}: ${said.triangles} triangles, asset ${said.asset}.${said.notes ? ` ${said.notes}` : ""}`);
+    if (!device) return;
+    this.files.set(`${message.device}:${message.asset}`, { number: message.asset, file: message.name, unit: this.units.get(message.name) || "mm" });
+    const { low, high } = message;
+    const size = low && high ? `, ${low.map((x, k) => si(high[k] - x, "m")).join(" × ")}` : "";
+    setText(byId("mesh-state"), `${message.name}: ${message.triangles ?? message.faces} triangles${size}, asset ${message.asset}.`);
+    for (const note of [message.notes ?? []].flat()) if (note) say("info", oneOf(message.name, note));
     const reach = this.reach(device);
-    try {
-      await this.add("shape", { asset: said.asset, position: reach.centre, stiffness: stiff(reach, 0.3), damping: 1 });
-    } catch (error) {
-      say("error", `${file}: ${(error as Error).message}`);
-    }
+    // Its middle comes to that of the workspace.
+    const position = low && high ? reach.centre.map((c, k) => c - (low[k] + high[k]) / 2) : reach.centre;
+    await this.add("shape", { asset: message.asset, position, stiffness: stiff(reach, 0.3), damping: 1 }, device);
   }
 
   // ---- export

@@ -17,6 +17,8 @@ export interface Field {
   default: Value;
   choices?: string[];
   count?: number;
+  /** Infinity is legal besides the range. */
+  infinity?: boolean;
 }
 export interface Kind {
   name: string;
@@ -140,8 +142,15 @@ export interface DeviceStatus {
   counters: Record<string, number>;
   clients: Client[];
 }
-/** What became of a file of a mesh. */
-export interface SentMesh {
+export interface Answer {
+  op: "answer";
+  id: number;
+  ok: boolean;
+  error?: string;
+  [key: string]: unknown;
+}
+/** What became of a mesh that was sent. */
+export interface AssetMessage {
   op: "asset";
   device: number;
   name: string;
@@ -152,16 +161,10 @@ export interface SentMesh {
   faces?: number;
   low?: Vec;
   high?: Vec;
-  notes?: string;
-}
-export interface Answer {
-  op: "answer";
-  id: number;
-  ok: boolean;
-  error?: string;
-  [key: string]: unknown;
+  notes?: string[] | string;
 }
 export type Message =
+  | AssetMessage
   | Hello
   | Servo
   | { op: "frame"; t: number; devices: DeviceFrame[] }
@@ -169,7 +172,6 @@ export type Message =
   | { op: "felt"; device: number; items: Felt[] }
   | { op: "status"; devices: DeviceStatus[] }
   | Answer
-  | SentMesh
   | { op: "note"; level: "info" | "warning" | "error"; text: string };
 
 /** Flags of `felt`. */
