@@ -123,12 +123,18 @@ test("playground: a preset, a slider that moves it, what is refused, removed", (
     await slider.focus();
     const was = floor.params.offset;
     for (let k = 0; k < 40; k++) await tab.keyboard.press("ArrowRight");
-    const moved = await until(tab, "the server has the slider's offset", async () => {
-      const [now] = await mine(tab);
-      return now.params.offset > was + 1e-3 && now;
-    });
-    await until(tab, "it is drawn there", () =>
-      tab.evaluate(({ claim, slot, offset }) => Math.abs(window.knurl.scene.getObjectByName(`item:${claim}:${slot}`).position.z - offset) < 2e-3, { claim: floor.claim, slot: floor.slot, offset: moved.params.offset }),
+    await until(tab, "the server has the slider's offset", async () => (await mine(tab))[0].params.offset > was + 1e-3);
+    await until(tab, "it is drawn where the server has it", () =>
+      tab.evaluate(
+        ({ claim, slot }) =>
+          new Promise((done) =>
+            requestAnimationFrame(() => {
+              const { offset } = window.knurl.model.current().items.get(`${claim}:${slot}`).params;
+              done(Math.abs(window.knurl.scene.getObjectByName(`item:${claim}:${slot}`).position.z - offset) < 1e-6);
+            }),
+          ),
+        { claim: floor.claim, slot: floor.slot },
+      ),
     );
     await shot(tab, "playground");
     // A value out of range: one line, and the old one stays.
