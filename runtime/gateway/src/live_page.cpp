@@ -401,7 +401,9 @@ void LivePage::tick(Clock::time_point now) {
     for (std::uint32_t i = 0; i < devices.size(); ++i) page.samples.push_back(samples_of(i, devices[i]));
     if (page.status_made && now - *page.status_made < status_every) return;
     page.status_made = now;
-    page.status = status_text(devices);
+    std::map<std::size_t, std::string> recordings;
+    for (const auto& [i, recorder] : page.recorders) recordings[i] = recorder.path;
+    page.status = status_text(devices, recordings);
     ++page.statuses;
 }
 

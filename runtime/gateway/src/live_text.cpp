@@ -93,6 +93,8 @@ Json kind_json(Kind kind) {
                     {"default", defaults.at(field.name)}};
         if (std::isfinite(field.minimum)) row["minimum"] = field.minimum;
         if (std::isfinite(field.maximum)) row["maximum"] = field.maximum;
+        if (field.infinity_allowed) row["infinity"] = true;
+        if (field.automatic_allowed) row["automatic"] = true;
         if (field.count > 0) row["count"] = field.count;
         if (!field.choices.empty()) {
             Json choices = Json::array();
@@ -270,7 +272,7 @@ std::vector<std::byte> samples_of(std::uint32_t device, const SeenDevice& seen) 
     return bytes;
 }
 
-std::string status_text(std::span<const SeenDevice> devices) {
+std::string status_text(std::span<const SeenDevice> devices, const std::map<std::size_t, std::string>& recordings) {
     Json all = Json::array();
     for (std::size_t i = 0; i < devices.size(); ++i) {
         const view::DeviceRates& rates = devices[i].rates;
@@ -280,7 +282,9 @@ std::string status_text(std::span<const SeenDevice> devices) {
                 parts[std::string(view::cycle_parts[p])] = (*rates.parts)[p];
         for (const auto& [name, value] : rates.device.counters) counters[name] = value;
         for (const view::ClientRates& client : rates.clients) clients.push_back(client_json(client));
+        const auto recording = recordings.find(i);
         all.push_back({{"i", i},
+                       {"recording", recording == recordings.end() ? Json() : Json(recording->second)},
                        {"rate", rates.rate},
                        {"late", rates.late},
                        {"overruns", rates.overruns},
@@ -333,8 +337,11 @@ std::string felt_text(std::uint32_t device, const SeenDevice& seen, bool& before
     constexpr std::uint32_t asleep = 32;
     auto out = std::back_inserter(items);
     for (const auto& [number, claim] : seen.claims) {
+        const view::ClientView* client = client_in(seen, claim.row);
+        const std::uint32_t of_all =
+            (claim.asleep ? asleep : 0) | (client != nullptr && client->silent ? Feedback::silent : 0);
         for (const auto& [slot, item] : claim.items) {
-            const std::uint32_t flags = item.feedback.flags | (claim.asleep ? asleep : 0);
+            const std::uint32_t flags = item.feedback.flags | of_all;
             if (flags == 0) continue;
             const Vec3 &f = item.feedback.force, &c = item.feedback.contact;
             fmt::format_to(out, "{}[{},{},{},{:.6g},{:.6g},{:.6g},{:.7g},{:.7g},{:.7g}]",

@@ -2,6 +2,7 @@
 // The messages of knurl.live.v1 from the server to a page, as text: pure functions of what was seen.
 
 #include <cstdint>
+#include <map>
 #include <set>
 #include <span>
 #include <string>
@@ -26,7 +27,8 @@ std::string servo_text(const LiveView& view, const std::vector<bool>& can_pull);
 std::string frame_text(std::span<const SeenDevice> devices);
 /// Message 1: the reports of this tick. Empty: there are none.
 std::vector<std::byte> samples_of(std::uint32_t device, const SeenDevice& seen);
-std::string status_text(std::span<const SeenDevice> devices);
+/// `recordings`: what is being recorded from here, by device.
+std::string status_text(std::span<const SeenDevice> devices, const std::map<std::size_t, std::string>& recordings);
 /// What has changed since version `since`; 0: all of it. `mine`: numbers of the claims of the page that is told. Empty:
 /// nothing has.
 std::string scene_text(std::uint32_t device, const SeenDevice& seen, std::uint64_t since,

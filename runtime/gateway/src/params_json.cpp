@@ -32,8 +32,7 @@ Json field_value(const Field& field, std::span<const std::byte> params) {
     switch (field.type) {
         case Field::Type::real: {
             const double value = real_at(params, field.offset);
-            // A range that begins at 0 leaves -1 for "automatic" alone.
-            return value == automatic && field.minimum >= 0 ? Json("automatic") : number_json(value);
+            return value == automatic && field.automatic_allowed ? Json("automatic") : number_json(value);
         }
         case Field::Type::choice: {
             const std::uint32_t value = whole_at(params, field.offset);

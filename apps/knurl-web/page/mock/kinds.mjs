@@ -16,7 +16,7 @@ function field([key, unit, range, fallback, meaning]) {
   const bound = /±\s*(\S+)/.exec(range);
   const span = /(\S+) … ([^,\s]+)/.exec(range);
   const minimum = bound ? -number(bound[1]) : span ? number(span[1]) : -1e9;
-  const maximum = range.includes("or infinity") ? "inf" : bound ? number(bound[1]) : span ? number(span[2]) : 1e9;
+  const maximum = bound ? number(bound[1]) : span ? number(span[2]) : 1e9;
   if (/points/.test(range)) return { name, type: "points", unit, meaning, minimum, maximum, default: fallback.split(";").map(numbers), count: 8 };
   if (/entries/.test(range) || name === "jacobian") {
     const count = /6 x 6|6 × 6|36/.test(range + fallback + meaning) ? 6 : 3;
@@ -24,7 +24,8 @@ function field([key, unit, range, fallback, meaning]) {
   }
   if (/components|length/.test(range)) return { name, type: "vector", unit, meaning, minimum, maximum, default: numbers(fallback), count: 3 };
   const integer = name === "asset" || name.endsWith(".seed");
-  return { name, type: integer ? "integer" : "real", unit, meaning, minimum, maximum, default: plain(fallback) === "automatic" ? "automatic" : plain(fallback) === "infinity" ? "inf" : Number(plain(fallback)) };
+  const more = { ...(range.includes("infinity") && { infinity: true }), ...(range.includes("automatic") && { automatic: true }) };
+  return { name, type: integer ? "integer" : "real", unit, meaning, minimum, maximum, ...more, default: plain(fallback) === "automatic" ? "automatic" : plain(fallback) === "infinity" ? "inf" : Number(plain(fallback)) };
 }
 
 function rows(text) {

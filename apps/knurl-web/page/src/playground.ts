@@ -474,7 +474,7 @@ export class Playground {
 
     const vectorial = field.type === "vector" || field.type === "quaternion";
     const angles = field.type === "quaternion";
-    const special = !vectorial && (field.default === "automatic" ? "automatic" : field.maximum === "inf" || field.infinity || (field.name === "stiffness" && field.unit === "N/m") ? "inf" : "");
+    const special = !vectorial && (field.automatic ? "automatic" : field.infinity ? "inf" : "");
     const sliders: { slider: HTMLInputElement; number: HTMLInputElement; range: Range }[] = [];
     const put = (axis: number, value: number): void => {
       if (!Number.isFinite(value)) return;

@@ -19,6 +19,8 @@ export interface Field {
   count?: number;
   /** Infinity is legal besides the range. */
   infinity?: boolean;
+  /** The value "automatic" is legal. */
+  automatic?: boolean;
 }
 export interface Kind {
   name: string;
