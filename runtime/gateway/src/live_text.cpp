@@ -272,7 +272,8 @@ std::vector<std::byte> samples_of(std::uint32_t device, const SeenDevice& seen) 
     return bytes;
 }
 
-std::string status_text(std::span<const SeenDevice> devices, const std::map<std::size_t, std::string>& recordings) {
+std::string status_text(std::span<const SeenDevice> devices,
+                        const std::map<std::size_t, std::string>& recordings) {
     Json all = Json::array();
     for (std::size_t i = 0; i < devices.size(); ++i) {
         const view::DeviceRates& rates = devices[i].rates;

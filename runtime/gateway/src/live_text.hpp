@@ -28,7 +28,8 @@ std::string frame_text(std::span<const SeenDevice> devices);
 /// Message 1: the reports of this tick. Empty: there are none.
 std::vector<std::byte> samples_of(std::uint32_t device, const SeenDevice& seen);
 /// `recordings`: what is being recorded from here, by device.
-std::string status_text(std::span<const SeenDevice> devices, const std::map<std::size_t, std::string>& recordings);
+std::string status_text(std::span<const SeenDevice> devices,
+                        const std::map<std::size_t, std::string>& recordings);
 /// What has changed since version `since`; 0: all of it. `mine`: numbers of the claims of the page that is told. Empty:
 /// nothing has.
 std::string scene_text(std::uint32_t device, const SeenDevice& seen, std::uint64_t since,
