@@ -243,6 +243,16 @@ TEST(GatewayHttp, TooLong) {
     EXPECT_EQ(served.ask(served.request("GET /", cookie)).status, 200);
 }
 
+TEST(GatewayHttp, RefusedInTheMiddleOfABodyIsNotCutOff) {
+    Served served;
+    Caller caller(served.port);
+    caller.send(served.request("POST /large", served.cookie() + "Content-Length: 2000000\r\n") +
+                std::string(300000, 'x'));
+    EXPECT_EQ(read_answer(caller).status, 413);
+    EXPECT_TRUE(caller.send(std::string(300000, 'x')));
+    EXPECT_TRUE(caller.ends_well());
+}
+
 TEST(GatewayHttp, BodiesThatAreReadAreBoundedTogether) {
     Served served({.most_bodies = 3 << 19});
     const std::string cookie = served.cookie();

@@ -85,6 +85,12 @@ class Caller {
     }
     /// The server has closed, and nothing is left.
     bool at_end() { return read(1).empty(); }
+    /// The server has said that it sends no more: what it had said before is not lost by a reset.
+    bool ends_well() {
+        read_.clear();
+        char byte = 0;
+        return ::recv(fd_, &byte, 1, 0) == 0;
+    }
     void hang_up() {
         if (fd_ >= 0) ::close(std::exchange(fd_, -1));
     }

@@ -177,7 +177,7 @@ TEST(GatewaySocket, ClosesWithItsCode) {
 }
 
 TEST(GatewaySocket, PeerThatTakesNoPartInClosing) {
-    Served served({.closing_time = 30ms});
+    Served served({.request_time = 1h, .silence = 1h, .closing_time = 30ms});
     Caller caller = served.open();
     caller.send(frame(text_frame, "close"));
     EXPECT_EQ(read_message(caller).code(), 4001U);
@@ -227,7 +227,7 @@ TEST(GatewaySocket, SlowReaderIsClosedAndOthersGoOn) {
 }
 
 TEST(GatewaySocket, SlowReaderThatReadsNothingEnds) {
-    Served served({.most_waiting = 1 << 20, .closing_time = 30ms});
+    Served served({.most_waiting = 1 << 20, .request_time = 1h, .silence = 1h, .closing_time = 30ms});
     Caller slow = served.open("/open", 4096);
     slow.send(frame(text_frame, "flood"));
     EXPECT_TRUE(test::eventually([&] { return served.ended == 1; }));
