@@ -16,8 +16,7 @@ import tempfile
 import time
 import unittest
 
-CHUNK, MESSAGE, HEADER, DATA_END = 6, 5, 1, 15
-INPUTS = 2  # the channel
+CHUNK, MESSAGE, CHANNEL, HEADER, DATA_END = 6, 5, 4, 1, 15
 HEAD = 22 + 8  # bytes: the header of a message, and of an input in it
 PATIENCE = 60  # s; long enough for a build with sanitizers
 MOST_MEMORY = 1_500_000  # KiB
@@ -65,6 +64,8 @@ class Recorded:
         self.whole = pathlib.Path(path).read_bytes()
         self.before, self.messages = b"", []
         for op, content in records(self.whole, 8):
+            if op == CHANNEL and b"/knurl/inputs" in content:
+                self.inputs = struct.unpack_from("<H", content)[0]
             if op == CHUNK:
                 name = struct.unpack_from("<I", content, 28)[0]
                 plain = subprocess.run(["zstd", "-dcq"], input=content[32 + name + 8:], capture_output=True, check=True).stdout
@@ -73,7 +74,7 @@ class Recorded:
                 self.before += record(op, content)
         self.by_type = {}
         for i, message in enumerate(self.messages):
-            if message[0] == INPUTS:
+            if message[0] == self.inputs:
                 self.by_type.setdefault(struct.unpack_from("<H", message, 22)[0], []).append(i)
 
     def file_of(self, messages):
