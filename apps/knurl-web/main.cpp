@@ -114,6 +114,40 @@ gateway::Site inverse_site(const CommandLine& said, knurl::web::Protocols& proto
     return site;
 }
 
+/// Where it listens.
+struct Addresses {
+    std::optional<std::string> page;  // where a token is good
+    std::string text;                 // lines about the others
+};
+
+void listen_for_pages(gateway::Server& server, const CommandLine& said, knurl::web::Protocols& protocols,
+                      Addresses& addresses) {
+    for (const std::string& each : said.listen) {
+        const Place at = place(each, "--listen");
+        const std::uint16_t port = server.listen(at.address, at.port, page_site(said, protocols));
+        const std::string base = url(at.this_host ? "http" : "https", at, port);
+        if (at.this_host && !addresses.page) addresses.page = base;
+        if (!at.this_host) addresses.text += fmt::format("  from other hosts: {}/?key=KEY\n", base);
+        addresses.text +=
+            fmt::format("  Foxglove: {}/foxglove ({})\n", url(at.this_host ? "ws" : "wss", at, port),
+                        at.this_host ? said.foxglove_role : "with a key");
+    }
+}
+
+void listen_for_inverse(gateway::Server& server, const CommandLine& said, knurl::web::Protocols& protocols,
+                        Addresses& addresses, bool must) try {
+    const Place at = place(said.inverse, "--inverse");
+    const std::uint16_t port = server.listen(at.address, at.port, inverse_site(said, protocols, false));
+    const std::uint16_t events =
+        server.listen(at.address, said.inverse_events, inverse_site(said, protocols, true));
+    addresses.text += fmt::format("  Inverse Service: {}, events at port {}\n",
+                                  url(at.this_host ? "ws" : "wss", at, port), events);
+} catch (const std::runtime_error& error) {
+    if (must) throw;
+    // Haply's own service may have these ports, or another knurl-web: the page is useful without.
+    addresses.text += fmt::format("  no Inverse Service: {}\n", error.what());
+}
+
 int serve(CommandLine said, bool inverse_given) {
     try {
         knurl::protocol::servo_address(said.settings.servo);
@@ -133,37 +167,16 @@ int serve(CommandLine said, bool inverse_given) {
     knurl::web::Protocols protocols(said.settings);
     gateway::Server server(std::move(options));
 
-    std::optional<std::string> page;  // where a token is good
-    std::string text;
-    for (const std::string& each : said.listen) {
-        const Place at = place(each, "--listen");
-        const std::uint16_t port = server.listen(at.address, at.port, page_site(said, protocols));
-        const std::string base = url(at.this_host ? "http" : "https", at, port);
-        if (at.this_host && !page) page = base;
-        if (!at.this_host) text += fmt::format("  from other hosts: {}/?key=KEY\n", base);
-        text += fmt::format("  Foxglove: {}/foxglove ({})\n", url(at.this_host ? "ws" : "wss", at, port),
-                            at.this_host ? said.foxglove_role : "with a key");
-    }
-    if (!said.no_inverse) try {
-            const Place at = place(said.inverse, "--inverse");
-            const std::uint16_t port =
-                server.listen(at.address, at.port, inverse_site(said, protocols, false));
-            const std::uint16_t events =
-                server.listen(at.address, said.inverse_events, inverse_site(said, protocols, true));
-            text += fmt::format("  Inverse Service: {}, events at port {}\n",
-                                url(at.this_host ? "ws" : "wss", at, port), events);
-        } catch (const std::runtime_error& error) {
-            if (inverse_given) throw;
-            // Haply's own service may have these ports, or another knurl-web: the page is useful without.
-            text += fmt::format("  no Inverse Service: {}\n", error.what());
-        }
+    Addresses addresses;
+    listen_for_pages(server, said, protocols, addresses);
+    if (!said.no_inverse) listen_for_inverse(server, said, protocols, addresses, inverse_given);
 
     const auto login = [&] {
-        return page ? fmt::format("{}/?token={}", *page, server.new_token())
-                    : std::string("(on no address of this host)");
+        return addresses.page ? fmt::format("{}/?token={}", *addresses.page, server.new_token())
+                              : std::string("(on no address of this host)");
     };
     fmt::print("knurl-web: servo '{}' is at {}\n{}  another token: kill -USR1 {}\n{}", said.settings.servo,
-               login(), text, ::getpid(), protocols.remark());
+               login(), addresses.text, ::getpid(), protocols.remark());
     std::fflush(stdout);
     server.on_tick([&](std::chrono::steady_clock::time_point now) {
         if (commandline::stop) return server.stop();

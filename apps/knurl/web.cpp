@@ -10,6 +10,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <fcntl.h>
@@ -121,16 +122,45 @@ void open_browser(const std::string& address) {
     ::_exit(127);
 }
 
+/// Prints what knurl-web says, line by line, and opens the first address that has a token.
+class Lines {
+  public:
+    explicit Lines(bool browser) : opened_(!browser) {}
+    void take(std::string_view bytes) {
+        for (const char c : bytes) {
+            line_ += c;
+            if (c == '\n') give();
+        }
+    }
+
+  private:
+    void give() {
+        commandline::print(line_);
+        commandline::flush_output();
+        const std::size_t begin = line_.find("http://");
+        if (!opened_ && begin != std::string::npos && line_.find("?token=") != std::string::npos) {
+            open_browser(line_.substr(begin, line_.find_first_of(" \n", begin) - begin));
+            opened_ = true;
+        }
+        line_.clear();
+    }
+    std::string line_;
+    bool opened_;
+};
+
+/// A servo of that name, or at that path, is there.
+bool runs(const protocol::ServoAddress& servo, bool path) {
+    const std::vector<std::string> running = protocol::running_servos();
+    return fs::exists(servo.socket) &&
+           (path || std::find(running.begin(), running.end(), servo.name) != running.end());
+}
+
 int web(const WebWish& wish) {
     const protocol::ServoAddress said = servo_said(wish.servo);
-    const std::vector<std::string> running = protocol::running_servos();
-    const bool runs =
-        fs::exists(said.socket) && (std::find(running.begin(), running.end(), said.name) != running.end() ||
-                                    wish.servo.find('/') != std::string::npos);
     commandline::stop_on_signals();
     std::optional<measure::PrivateServo> own;
     std::vector<std::string> words{web_program(), "--servo", wish.servo};
-    if (!runs) {
+    if (!runs(said, wish.servo.find('/') != std::string::npos)) {
         own.emplace(std::vector<std::string>{"--device", wish.device});
         words.back() = own->address();
         commandline::print("knurl web: no servo '" + said.name + "' runs: this one is simulated (" +
@@ -141,28 +171,16 @@ int web(const WebWish& wish) {
     commandline::flush_output();
 
     Child server(words, true);
-    std::string line;
-    bool reads = true, opened = !wish.browser;
+    Lines lines(wish.browser);
+    pollfd from{.fd = server.output(), .events = POLLIN, .revents = 0};
     while (!commandline::stop) {
         if (own) own->require_running();
-        pollfd from{.fd = reads ? server.output() : -1, .events = POLLIN, .revents = 0};
         constexpr int look_ms = 200;  // whether one of them has ended, or Ctrl-C came
         if (::poll(&from, 1, look_ms) > 0) {
             std::array<char, 4096> bytes;
             const ssize_t got = ::read(server.output(), bytes.data(), bytes.size());
-            if (got == 0 || (got < 0 && errno != EINTR)) reads = false;
-            for (ssize_t i = 0; i < got; ++i) {
-                line += bytes[static_cast<std::size_t>(i)];
-                if (line.back() != '\n') continue;
-                commandline::print(line);
-                commandline::flush_output();
-                const std::size_t begin = line.find("http://");
-                if (!opened && begin != std::string::npos && line.find("?token=") != std::string::npos) {
-                    open_browser(line.substr(begin, line.find_first_of(" \n", begin) - begin));
-                    opened = true;
-                }
-                line.clear();
-            }
+            if (got > 0) lines.take({bytes.data(), static_cast<std::size_t>(got)});
+            if (got == 0) from.fd = -1;
         }
         if (const auto code = server.ended()) return *code == 0 ? commandline::could_not : *code;
     }
