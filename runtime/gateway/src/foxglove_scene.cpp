@@ -120,6 +120,28 @@ void FoxgloveScene::draw(const SeenDevice& device, const SeenClaim& claim, const
     drawn_[{claim.number, item.id.slot}] = std::move(next);
 }
 
+void FoxgloveScene::draw_changes(const SeenDevice& device, Time now) {
+    std::map<Key, std::pair<const SeenClaim*, const SeenItem*>> there;
+    for (const auto& [number, claim] : device.claims)
+        for (const auto& [slot, item] : claim.items)
+            if (slot < most_slots && slot == item.id.slot) there[{number, slot}] = {&claim, &item};
+    for (auto one = drawn_.begin(); one != drawn_.end();) {
+        if (there.contains(one->first)) {
+            ++one;
+            continue;
+        }
+        for (const std::int32_t id : one->second.ids) wait(erased(one->first.first, id));
+        one = drawn_.erase(one);
+    }
+    // On from where the last call ended: what changes all the time does not keep the rest from being drawn.
+    auto next = there.upper_bound(last_);
+    for (std::size_t n = there.size(); n > 0 && waiting_bytes_ < most_bytes; --n, ++next) {
+        if (next == there.end()) next = there.begin();
+        last_ = next->first;
+        draw(device, *next->second.first, *next->second.second, now);
+    }
+}
+
 std::vector<messages::Marker> FoxgloveScene::changes(const SeenDevice& device, Time now) {
     if (!begun_) {
         begun_ = true;
@@ -128,27 +150,7 @@ std::vector<messages::Marker> FoxgloveScene::changes(const SeenDevice& device, T
         wait(std::move(all));
     }
     // Nothing is drawn before what was drawn has been sent, so no more than this waits.
-    if (waiting_bytes_ < most_bytes) {
-        std::map<Key, std::pair<const SeenClaim*, const SeenItem*>> there;
-        for (const auto& [number, claim] : device.claims)
-            for (const auto& [slot, item] : claim.items)
-                if (slot < most_slots && slot == item.id.slot) there[{number, slot}] = {&claim, &item};
-        for (auto one = drawn_.begin(); one != drawn_.end();) {
-            if (there.contains(one->first)) {
-                ++one;
-                continue;
-            }
-            for (const std::int32_t id : one->second.ids) wait(erased(one->first.first, id));
-            one = drawn_.erase(one);
-        }
-        // On from where the last call ended: what changes all the time does not keep the rest from being drawn.
-        auto next = there.upper_bound(last_);
-        for (std::size_t n = there.size(); n > 0 && waiting_bytes_ < most_bytes; --n, ++next) {
-            if (next == there.end()) next = there.begin();
-            last_ = next->first;
-            draw(device, *next->second.first, *next->second.second, now);
-        }
-    }
+    if (waiting_bytes_ < most_bytes) draw_changes(device, now);
     std::vector<messages::Marker> out;
     for (std::size_t bytes = 0; !waiting_.empty(); waiting_.pop_front()) {
         const std::size_t more = bytes_of(waiting_.front());

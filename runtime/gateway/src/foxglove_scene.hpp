@@ -56,6 +56,7 @@ class FoxgloveScene {
     static std::vector<messages::Marker> markers_of(const SeenDevice& device, const SeenClaim& claim,
                                                     const SeenItem& item, const Look& look, const Vec3& hand);
     void draw(const SeenDevice& device, const SeenClaim& claim, const SeenItem& item, Time now);
+    void draw_changes(const SeenDevice& device, Time now);
     void wait(messages::Marker marker);
 
     std::map<Key, Drawn> drawn_;

@@ -96,6 +96,18 @@ bool flag_of(const Json& body, const char* key) {
     return body.at(key).get<bool>();
 }
 
+/// What a POST states.
+Json body_of(const InverseRequest& request) {
+    if (request.role == Role::observe) throw HttpMistake{403, "this caller may look only"};
+    if (request.body.size() > longest_body)
+        throw HttpMistake{413, fmt::format("the body is longer than {} bytes", longest_body)};
+    try {
+        return Json::parse(request.body);
+    } catch (const JsonError& error) {
+        throw HttpMistake{400, error.what()};
+    }
+}
+
 }  // namespace
 
 InverseService::InverseService(InverseOptions options)
@@ -108,22 +120,29 @@ void InverseService::look() {
         data["device_family"] = "inverse";
         data["device_id"] = device.id;
         data["device_name"] = device.info.name;
-        const auto [was, fresh] = was_connected_.try_emplace(device.id, false);
-        if (std::exchange(was->second, device.connected) != device.connected)
-            publish({.name = device.connected ? "device-connected" : "device-disconnected",
-                     .category = "device",
-                     .level = device.connected ? "info" : "warning",
-                     .data = data,
-                     .message = device.connected
-                                    ? fmt::format("device '{}' is there", device.info.name)
-                                    : fmt::format("the servo of device '{}' has gone", device.info.name)});
-        if (!device.report) continue;
-        const std::uint32_t faults = device.report->state == DeviceState::fault ? device.report->faults : 0;
-        if (std::exchange(was_fault_[device.id], faults) == faults) continue;
-        data["safety_type"] = faults != 0 ? "ebrake_triggered" : "ebrake_released";
-        if (faults != 0) data["faults"] = faults_in_words(faults);
-        publish(
-            {.name = "device-safety-triggered",
+        tell_of_connection(device, data);
+        if (device.report) tell_of_faults(device, data);
+    }
+}
+
+void InverseService::tell_of_connection(const InverseDevice& device, const Json& data) {
+    const auto [was, fresh] = was_connected_.try_emplace(device.id, false);
+    if (std::exchange(was->second, device.connected) == device.connected) return;
+    publish({.name = device.connected ? "device-connected" : "device-disconnected",
+             .category = "device",
+             .level = device.connected ? "info" : "warning",
+             .data = data,
+             .message = device.connected
+                            ? fmt::format("device '{}' is there", device.info.name)
+                            : fmt::format("the servo of device '{}' has gone", device.info.name)});
+}
+
+void InverseService::tell_of_faults(const InverseDevice& device, Json data) {
+    const std::uint32_t faults = device.report->state == DeviceState::fault ? device.report->faults : 0;
+    if (std::exchange(was_fault_[device.id], faults) == faults) return;
+    data["safety_type"] = faults != 0 ? "ebrake_triggered" : "ebrake_released";
+    if (faults != 0) data["faults"] = faults_in_words(faults);
+    publish({.name = "device-safety-triggered",
              .category = "device",
              .level = faults != 0 ? "error" : "notice",
              .data = data,
@@ -132,7 +151,6 @@ void InverseService::look() {
                                           "(`knurl reset`)",
                                           device.info.name, faults_in_words(faults))
                             : fmt::format("device '{}' is out of its fault", device.info.name)});
-    }
 }
 
 const InverseDevice* InverseService::find(std::string_view id) const {
@@ -186,7 +204,6 @@ std::uint64_t InverseService::begin_session(InverseSession& session) {
 InverseReply InverseService::http(const InverseRequest& request) {
     look();
     const auto path = parts_of(request.path);
-    const std::string& session = request.session;
     const bool gets = request.method == "GET";
     try {
         if (!gets && request.method != "POST") throw HttpMistake{405, "this service knows GET and POST"};
@@ -197,23 +214,8 @@ InverseReply InverseService::http(const InverseRequest& request) {
             version["protocol_version"] = "3.5";
             return {.status = 200, .body = version.dump()};
         }
-        if (path.size() == 1 && path[0] == "devices" && gets) {
-            std::vector<InverseLook> looks;
-            if (!session.empty()) {
-                looks = session_of(sessions_, session).looks();
-            } else {
-                for (const InverseDevice& device : devices()) {
-                    InverseLook look{.device = device};
-                    look.handedness = handedness(device.id);
-                    look.claimable = claimable(device);
-                    look.lapse = options_.lapse;
-                    looks.push_back(std::move(look));
-                }
-            }
-            std::string text = "{";
-            write_devices(text, looks, true);
-            return {.status = 200, .body = text + "}"};
-        }
+        if (path.size() == 1 && path[0] == "devices" && gets)
+            return {.status = 200, .body = device_list(request.session)};
         if (path.size() != 4 || path[0] != "inverse3" || path[2] != "config")
             throw HttpMistake{
                 404,
@@ -222,57 +224,68 @@ InverseReply InverseService::http(const InverseRequest& request) {
                             words::printable(request.path, 60))};
         if (gets && path[1] == "*") throw HttpMistake{400, "GET needs one device; write its id or its index"};
         const auto selected = devices_of(devices(), path[1]);
-        const std::string& what = path[3];
-        Json given;
-        if (!gets) {
-            if (request.role == Role::observe) throw HttpMistake{403, "this caller may look only"};
-            if (request.body.size() > longest_body)
-                throw HttpMistake{413, fmt::format("the body is longer than {} bytes", longest_body)};
-            try {
-                given = Json::parse(request.body);
-            } catch (const JsonError& error) {
-                throw HttpMistake{400, error.what()};
-            }
-        }
-        Json data = Json::object();
-        if (what == "handedness") {
-            if (!gets) {
-                const Json hand = given.is_object() ? given.value("handedness", nullptr) : Json();
-                if (hand != "left" && hand != "right")
-                    throw HttpMistake{400, "handedness must be \"left\" or \"right\""};
-                for (const InverseDevice* device : selected)
-                    set_handedness(device->id, hand.get<std::string>());
-            }
-            data["handedness"] = handedness(selected.front()->id);
-        } else if (what == "gravity_compensation" || what == "torque_scaling") {
-            // Honest: who asks for what is not done is told so.
-            if (!gets && flag_of(given, "enabled"))
-                throw HttpMistake{
-                    409, fmt::format("device '{}' has no {} that this service could switch on; a driver of "
-                                     "Knurl does what its arm needs by itself",
-                                     selected.front()->info.name, what)};
-            data["enabled"] = false;
-            if (what == "gravity_compensation") data["scaling_factor"] = 0;
-        } else if (what == "basis") {
-            if (session.empty()) throw HttpMistake{400, "a basis is a session's; add ?session=:0"};
-            InverseSession& of = session_of(sessions_, session);
-            if (!gets) {
-                const Json permutation = given.is_object() ? given.value("permutation", nullptr) : Json();
-                if (!permutation.is_string() || !of.set_permutation(permutation.get<std::string>()))
-                    throw HttpMistake{
-                        400, "permutation must name each of X, Y, Z once, as in \"XZY\" or \"X-YZ\""};
-            }
-            data["permutation"] = of.permutation();
-        } else {
-            throw HttpMistake{
-                404, fmt::format("there is no config '{}'; there are gravity_compensation, handedness, "
-                                 "torque_scaling, basis",
-                                 words::printable(what, 60))};
-        }
-        return done(data);
+        return done(config(path[3], selected, request.session,
+                           gets ? std::nullopt : std::optional(body_of(request))));
     } catch (const HttpMistake& mistake) {
         return failed(mistake.status, mistake.text);
     }
+}
+
+std::string InverseService::device_list(const std::string& session) {
+    std::vector<InverseLook> looks;
+    if (!session.empty()) {
+        looks = session_of(sessions_, session).looks();
+    } else {
+        for (const InverseDevice& device : devices()) {
+            InverseLook look{.device = device};
+            look.handedness = handedness(device.id);
+            look.claimable = claimable(device);
+            look.lapse = options_.lapse;
+            looks.push_back(std::move(look));
+        }
+    }
+    std::string text = "{";
+    write_devices(text, looks, true);
+    return text + "}";
+}
+
+Json InverseService::config(const std::string& what, const std::vector<const InverseDevice*>& of,
+                            const std::string& session, const std::optional<Json>& given) {
+    const auto stated = [&](const char* key) {
+        return given->is_object() ? given->value(key, nullptr) : Json();
+    };
+    Json data = Json::object();
+    if (what == "handedness") {
+        if (given) {
+            const Json hand = stated("handedness");
+            if (hand != "left" && hand != "right")
+                throw HttpMistake{400, "handedness must be \"left\" or \"right\""};
+            for (const InverseDevice* device : of) set_handedness(device->id, hand.get<std::string>());
+        }
+        data["handedness"] = handedness(of.front()->id);
+    } else if (what == "gravity_compensation" || what == "torque_scaling") {
+        // Honest: who asks for what is not done is told so.
+        if (given && flag_of(*given, "enabled"))
+            throw HttpMistake{
+                409, fmt::format("device '{}' has no {} that this service could switch on; a driver of "
+                                 "Knurl does what its arm needs by itself",
+                                 of.front()->info.name, what)};
+        data["enabled"] = false;
+        if (what == "gravity_compensation") data["scaling_factor"] = 0;
+    } else if (what == "basis") {
+        if (session.empty()) throw HttpMistake{400, "a basis is a session's; add ?session=:0"};
+        InverseSession& named = session_of(sessions_, session);
+        const Json permutation = given ? stated("permutation") : Json();
+        if (given && (!permutation.is_string() || !named.set_permutation(permutation.get<std::string>())))
+            throw HttpMistake{400, "permutation must name each of X, Y, Z once, as in \"XZY\" or \"X-YZ\""};
+        data["permutation"] = named.permutation();
+    } else {
+        throw HttpMistake{404,
+                          fmt::format("there is no config '{}'; there are gravity_compensation, handedness, "
+                                      "torque_scaling, basis",
+                                      words::printable(what, 60))};
+    }
+    return data;
 }
 
 Inverse serve_inverse(InverseOptions options) {

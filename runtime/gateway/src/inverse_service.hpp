@@ -4,6 +4,7 @@
 #include <deque>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -74,6 +75,13 @@ class InverseService {
     InverseReply http(const InverseRequest& request);
 
   private:
+    void tell_of_connection(const InverseDevice& device, const Json& data);
+    void tell_of_faults(const InverseDevice& device, Json data);
+    std::string device_list(const std::string& session);
+    /// `given`: what a POST states; none: a GET.
+    Json config(const std::string& what, const std::vector<const InverseDevice*>& of,
+                const std::string& session, const std::optional<Json>& given);
+
     InverseOptions options_;
     std::unique_ptr<InverseSource> source_;
     std::map<std::string, std::string> handedness_;  // by id

@@ -251,45 +251,53 @@ void InverseSession::read_grip(const Json& entry) {
 void InverseSession::read_commands(const InverseDevice& device, const Json& commands) {
     for (const auto& [command, stated] : commands.items()) {
         try {
-            if (command == "probe_position" || command == "probe_orientation") continue;
-            Hold& hold = holds_[device.id];
-            if (command == "set_cursor_force") {
-                const bool older =
-                    stated.is_object() && !stated.contains("vector") && stated.contains("values");
-                const std::string field = older ? "set_cursor_force.values" : "set_cursor_force.vector";
-                const Vec3 force =
-                    vector_of(member(stated, older ? "values" : "vector", "set_cursor_force"), field);
-                if (PeerCommands* peer = hand(device)) {
-                    refuse_unless_empty(
-                        peer->push(axes_.back().direction(hold.transform.force_back(force)), field), device);
-                    hold.mode = "force";
-                    hold.mode_at = service_->now();
-                }
-            } else if (command == "set_cursor_position") {
-                const std::string field = "set_cursor_position.position";
-                const Vec3 target = vector_of(member(stated, "position", "set_cursor_position"), field);
-                if (PeerCommands* peer = hand(device)) {
-                    refuse_unless_empty(
-                        peer->pull(axes_.back().position(hold.transform.point_back(target)), field), device);
-                    hold.mode = "position";
-                    hold.mode_at = service_->now();
-                }
-            } else if (command == "set_transform") {
-                hold.transform = transform_of(stated, hold.transform);
-            } else if (command == "set_angular_torques" || command == "set_angular_position") {
-                throw InverseMistake(
-                    command +
-                    " is not supported: Knurl's forces act at the tip; use set_cursor_force, or a "
-                    "representation under knurl");
-            } else if (command == "knurl") {
-                read_items(device, stated);
-            } else {
-                unknown("inverse3.commands." + command);
-            }
+            read_command(device, command, stated);
         } catch (const InverseMistake& mistake) {
             complain("command-refused", mistake.what(), "warning", device.id);
         }
     }
+}
+
+void InverseSession::read_command(const InverseDevice& device, const std::string& command,
+                                  const Json& stated) {
+    if (command == "probe_position" || command == "probe_orientation") return;
+    if (command == "set_cursor_force")
+        push(device, stated);
+    else if (command == "set_cursor_position")
+        pull(device, stated);
+    else if (command == "set_transform")
+        holds_[device.id].transform = transform_of(stated, holds_[device.id].transform);
+    else if (command == "set_angular_torques" || command == "set_angular_position")
+        throw InverseMistake(command +
+                             " is not supported: Knurl's forces act at the tip; use set_cursor_force, or a "
+                             "representation under knurl");
+    else if (command == "knurl")
+        read_items(device, stated);
+    else
+        unknown("inverse3.commands." + command);
+}
+
+void InverseSession::push(const InverseDevice& device, const Json& stated) {
+    const bool older = stated.is_object() && !stated.contains("vector") && stated.contains("values");
+    const std::string field = older ? "set_cursor_force.values" : "set_cursor_force.vector";
+    const Vec3 force = vector_of(member(stated, older ? "values" : "vector", "set_cursor_force"), field);
+    Hold& hold = holds_[device.id];
+    PeerCommands* const peer = hand(device);
+    if (peer == nullptr) return;
+    refuse_unless_empty(peer->push(axes_.back().direction(hold.transform.force_back(force)), field), device);
+    hold.mode = "force";
+    hold.mode_at = service_->now();
+}
+
+void InverseSession::pull(const InverseDevice& device, const Json& stated) {
+    const std::string field = "set_cursor_position.position";
+    const Vec3 target = vector_of(member(stated, "position", "set_cursor_position"), field);
+    Hold& hold = holds_[device.id];
+    PeerCommands* const peer = hand(device);
+    if (peer == nullptr) return;
+    refuse_unless_empty(peer->pull(axes_.back().position(hold.transform.point_back(target)), field), device);
+    hold.mode = "position";
+    hold.mode_at = service_->now();
 }
 
 void InverseSession::read_items(const InverseDevice& device, const Json& stated) {

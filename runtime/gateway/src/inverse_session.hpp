@@ -44,6 +44,9 @@ class InverseSession final : public SocketHandler {
     void read_device(const Json& entry);
     void read_grip(const Json& entry);
     void read_commands(const InverseDevice& device, const Json& commands);
+    void read_command(const InverseDevice& device, const std::string& command, const Json& stated);
+    void push(const InverseDevice& device, const Json& stated);
+    void pull(const InverseDevice& device, const Json& stated);
     void read_transform(const InverseDevice& device, const Json& stated);
     void read_items(const InverseDevice& device, const Json& stated);
     void add(const InverseDevice& device, const Json& stated);
