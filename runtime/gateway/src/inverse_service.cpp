@@ -96,6 +96,11 @@ bool flag_of(const Json& body, const char* key) {
     return body.at(key).get<bool>();
 }
 
+/// A member of what a POST states; null: it has none.
+Json stated_in(const Json& given, const char* key) {
+    return given.is_object() ? given.value(key, nullptr) : Json();
+}
+
 /// What a POST states.
 Json body_of(const InverseRequest& request) {
     if (request.role == Role::observe) throw HttpMistake{403, "this caller may look only"};
@@ -251,40 +256,48 @@ std::string InverseService::device_list(const std::string& session) {
 
 Json InverseService::config(const std::string& what, const std::vector<const InverseDevice*>& of,
                             const std::string& session, const std::optional<Json>& given) {
-    const auto stated = [&](const char* key) {
-        return given->is_object() ? given->value(key, nullptr) : Json();
-    };
-    Json data = Json::object();
-    if (what == "handedness") {
-        if (given) {
-            const Json hand = stated("handedness");
-            if (hand != "left" && hand != "right")
-                throw HttpMistake{400, "handedness must be \"left\" or \"right\""};
-            for (const InverseDevice* device : of) set_handedness(device->id, hand.get<std::string>());
-        }
-        data["handedness"] = handedness(of.front()->id);
-    } else if (what == "gravity_compensation" || what == "torque_scaling") {
-        // Honest: who asks for what is not done is told so.
-        if (given && flag_of(*given, "enabled"))
-            throw HttpMistake{
-                409, fmt::format("device '{}' has no {} that this service could switch on; a driver of "
-                                 "Knurl does what its arm needs by itself",
-                                 of.front()->info.name, what)};
-        data["enabled"] = false;
-        if (what == "gravity_compensation") data["scaling_factor"] = 0;
-    } else if (what == "basis") {
-        if (session.empty()) throw HttpMistake{400, "a basis is a session's; add ?session=:0"};
-        InverseSession& named = session_of(sessions_, session);
-        const Json permutation = given ? stated("permutation") : Json();
-        if (given && (!permutation.is_string() || !named.set_permutation(permutation.get<std::string>())))
-            throw HttpMistake{400, "permutation must name each of X, Y, Z once, as in \"XZY\" or \"X-YZ\""};
-        data["permutation"] = named.permutation();
-    } else {
+    if (what == "handedness") return handedness_config(of, given);
+    if (what == "basis") return basis_config(session, given);
+    if (what != "gravity_compensation" && what != "torque_scaling")
         throw HttpMistake{404,
                           fmt::format("there is no config '{}'; there are gravity_compensation, handedness, "
                                       "torque_scaling, basis",
                                       words::printable(what, 60))};
+    // Honest: who asks for what is not done is told so.
+    if (given && flag_of(*given, "enabled"))
+        throw HttpMistake{409,
+                          fmt::format("device '{}' has no {} that this service could switch on; a driver of "
+                                      "Knurl does what its arm needs by itself",
+                                      of.front()->info.name, what)};
+    Json data = Json::object();
+    data["enabled"] = false;
+    if (what == "gravity_compensation") data["scaling_factor"] = 0;
+    return data;
+}
+
+Json InverseService::handedness_config(const std::vector<const InverseDevice*>& of,
+                                       const std::optional<Json>& given) {
+    if (given) {
+        const Json hand = stated_in(*given, "handedness");
+        if (hand != "left" && hand != "right")
+            throw HttpMistake{400, "handedness must be \"left\" or \"right\""};
+        for (const InverseDevice* device : of) set_handedness(device->id, hand.get<std::string>());
     }
+    Json data = Json::object();
+    data["handedness"] = handedness(of.front()->id);
+    return data;
+}
+
+Json InverseService::basis_config(const std::string& session, const std::optional<Json>& given) {
+    if (session.empty()) throw HttpMistake{400, "a basis is a session's; add ?session=:0"};
+    InverseSession& named = session_of(sessions_, session);
+    if (given) {
+        const Json permutation = stated_in(*given, "permutation");
+        if (!permutation.is_string() || !named.set_permutation(permutation.get<std::string>()))
+            throw HttpMistake{400, "permutation must name each of X, Y, Z once, as in \"XZY\" or \"X-YZ\""};
+    }
+    Json data = Json::object();
+    data["permutation"] = named.permutation();
     return data;
 }
 

@@ -81,16 +81,18 @@ Json LiveSocket::answer(const std::string& op, const Json& request) {
         Json (LiveSocket::*answer)(std::size_t device, const Json& request);
     };
     static constexpr Request known[] = {
-        {"add", Role::render, &LiveSocket::add},         {"set", Role::render, &LiveSocket::set},
-        {"remove", Role::render, &LiveSocket::remove},   {"clear", Role::render, &LiveSocket::clear},
-        {"arm", Role::control, &LiveSocket::arm},        {"disarm", Role::control, &LiveSocket::disarm},
-        {"reset", Role::control, &LiveSocket::reset},    {"pull", Role::control, &LiveSocket::pull},
-        {"record", Role::control, &LiveSocket::record},  {"stop", Role::control, &LiveSocket::stop},
+        {"add", Role::render, &LiveSocket::add},        {"set", Role::render, &LiveSocket::set},
+        {"remove", Role::render, &LiveSocket::remove},  {"clear", Role::render, &LiveSocket::clear},
+        {"arm", Role::control, &LiveSocket::arm},       {"disarm", Role::control, &LiveSocket::disarm},
+        {"reset", Role::control, &LiveSocket::reset},   {"pull", Role::control, &LiveSocket::pull},
+        {"record", Role::control, &LiveSocket::record}, {"stop", Role::control, &LiveSocket::stop},
         {"doctor", Role::observe, &LiveSocket::doctor},
     };
-    const auto found = std::find_if(std::begin(known), std::end(known), [&](const Request& one) { return one.op == op; });
+    const auto found =
+        std::find_if(std::begin(known), std::end(known), [&](const Request& one) { return one.op == op; });
     if (found == std::end(known))
-        throw std::runtime_error(fmt::format("'{}' is no request that is known here", words::printable(op, 40)));
+        throw std::runtime_error(
+            fmt::format("'{}' is no request that is known here", words::printable(op, 40)));
     require(found->needs, op);
     return (this->*found->answer)(request.value("device", Json(0u)).get<std::size_t>(), request);
 }
@@ -135,7 +137,8 @@ Json LiveSocket::pull(std::size_t device, const Json& request) {
     const HandPipe& pipe = page_.pipes.at(device);
     if (!pipe.can_pull())
         throw std::runtime_error(
-            "pull: this hand cannot be pulled; `knurl web` starts a simulated one that can, or give a simulated "
+            "pull: this hand cannot be pulled; `knurl web` starts a simulated one that can, or give a "
+            "simulated "
             "device a pipe: --device right=sim:premium15,live=PIPE");
     const Json target = request.value("target", Json());
     if (!target.is_null()) pipe.pull(vector_of(target));
