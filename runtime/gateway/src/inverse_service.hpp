@@ -81,6 +81,8 @@ class InverseService {
     /// `given`: what a POST states; none: a GET.
     Json config(const std::string& what, const std::vector<const InverseDevice*>& of,
                 const std::string& session, const std::optional<Json>& given);
+    Json handedness_config(const std::vector<const InverseDevice*>& of, const std::optional<Json>& given);
+    Json basis_config(const std::string& session, const std::optional<Json>& given);
 
     InverseOptions options_;
     std::unique_ptr<InverseSource> source_;
