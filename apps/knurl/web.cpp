@@ -16,6 +16,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <sys/prctl.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -148,6 +149,38 @@ class Lines {
     bool opened_;
 };
 
+/// A pipe through which the page pulls the hand of a simulated device (its option live=).
+class HandPipe {
+  public:
+    HandPipe() {
+        std::string pattern = (fs::temp_directory_path() / "knurl-XXXXXX").string();
+        if (::mkdtemp(pattern.data()) == nullptr)
+            throw std::runtime_error(pattern + ": cannot be made: " + std::strerror(errno));
+        folder_ = pattern;
+        if (::mkfifo(path().c_str(), 0600) != 0)
+            throw std::runtime_error(path() + ": cannot be made: " + std::strerror(errno));
+    }
+    ~HandPipe() {
+        std::error_code none;
+        fs::remove_all(folder_, none);
+    }
+    HandPipe(const HandPipe&) = delete;
+    HandPipe& operator=(const HandPipe&) = delete;
+
+    std::string path() const { return folder_ / "hand"; }
+
+  private:
+    fs::path folder_;
+};
+
+/// A simulated device whose hand nobody moves is given a pipe.
+bool has_free_hand(const std::string& device) {
+    const std::size_t name = device.find('=');
+    const std::size_t colon = device.find(':');
+    const std::size_t begin = name < colon ? name + 1 : 0;
+    return device.compare(begin, 4, "sim:") == 0 && device.find("live=") == std::string::npos;
+}
+
 /// A servo of that name, or at that path, is there.
 bool runs(const protocol::ServoAddress& servo, bool path) {
     const std::vector<std::string> running = protocol::running_servos();
@@ -158,10 +191,13 @@ bool runs(const protocol::ServoAddress& servo, bool path) {
 int web(const WebWish& wish) {
     const protocol::ServoAddress said = servo_said(wish.servo);
     commandline::stop_on_signals();
+    std::optional<HandPipe> hand;
     std::optional<measure::PrivateServo> own;
     std::vector<std::string> words{web_program(), "--servo", wish.servo};
     if (!runs(said, wish.servo.find('/') != std::string::npos)) {
-        own.emplace(std::vector<std::string>{"--device", wish.device});
+        std::string device = wish.device;
+        if (has_free_hand(device)) device += ",live=" + hand.emplace().path();
+        own.emplace(std::vector<std::string>{"--device", device});
         words.back() = own->address();
         commandline::print("knurl web: no servo '" + said.name + "' runs: this one is simulated (" +
                            wish.device + ")\n");
