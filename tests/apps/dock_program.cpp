@@ -117,7 +117,9 @@ TEST_F(DockProgram, LetsGoWhileItIsStoppedAndTakesHoldAgain) {
     ASSERT_TRUE(simulation.eventually_pulled(is_pulled));
     EXPECT_EQ(program.end(SIGTERM), 0);
     EXPECT_TRUE(simulation.eventually_pulled(is_let_go));
-    EXPECT_THAT(program.said(), testing::ContainsRegex("stopped [3-9] times"))
+    // Not each of the three counts: a stop that is over before the program looks again is no stop to it, and on a busy
+    // machine the atom may have been let go just before.
+    EXPECT_THAT(program.said(), testing::ContainsRegex("stopped ([1-9] times|once)"))
         << "it is no other end of the simulation";
 }
 
