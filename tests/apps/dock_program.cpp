@@ -119,7 +119,7 @@ TEST_F(DockProgram, LetsGoWhileItIsStoppedAndTakesHoldAgain) {
     EXPECT_TRUE(simulation.eventually_pulled(is_let_go));
     // Not each of the three counts: a stop that is over before the program looks again is no stop to it, and on a busy
     // machine the atom may have been let go just before.
-    EXPECT_THAT(program.said(), testing::ContainsRegex("stopped ([1-9] times|once)"))
+    EXPECT_THAT(program.said(), testing::ContainsRegex("stopped [1-9] times"))
         << "it is no other end of the simulation";
 }
 
