@@ -64,8 +64,9 @@ foreach(package libeigen3-dev libssl-dev nettle-dev libfmt-dev libtomlplusplus-d
     endif()
 endforeach()
 
-# No program names a script that is not installed.
+# No program names a script that is not installed. knurl-web holds a page, whose shortened names look like scripts' ("s.py").
 file(GLOB binaries ${WORK}/tree/*/usr/bin/*)
+list(FILTER binaries EXCLUDE REGEX "/knurl-web$")
 foreach(binary IN LISTS binaries)
     file(STRINGS ${binary} named REGEX "scripts/[a-z]|[a-z_]+\\.py")
     foreach(line IN LISTS named)

@@ -53,7 +53,7 @@ def blocks():
     found = []
     for file in sorted(ROOT.rglob("README.md")):
         path = file.relative_to(ROOT)
-        if {"build", "out", "docs"} & set(path.parts[:1]):  # docs: pages.py
+        if {"build", "out", "docs"} & set(path.parts[:1]) or "node_modules" in path.parts:  # docs: pages.py
             continue
         for line, language, above, text in fences(path):
             mark = re.match(r"\s*<!-- example: (\w+) -->\s*$", above)
