@@ -78,7 +78,8 @@ class NoDescriptors {
 
 TEST(GatewayBounds, WithoutDescriptorsWhoIsConnectedGoesOn) {
 #ifdef __SANITIZE_ADDRESS__
-    GTEST_SKIP() << "UBSan makes a pipe to look whether an object is there, and without one says that it is not";
+    GTEST_SKIP()
+        << "UBSan makes a pipe to look whether an object is there, and without one says that it is not";
 #endif
     Served served({.request_time = 60s});
     Caller open = served.open(), waits;
