@@ -305,6 +305,40 @@ TEST(SceneLog, ARecordHoldsSoManyContactsAndNoMore) {
     EXPECT_EQ(crowd.watcher.picture.claims.at(1).contacts.size(), most_scene_contacts);
 }
 
+TEST(SceneLog, ACycleWritesLittleHoweverManyClaimsAreTouched) {
+    Crowd crowd;
+    std::vector<std::unique_ptr<OfflineClaim>> others;
+    constexpr std::size_t many = 100;
+    for (std::size_t i = 0; i < many; ++i) {
+        ClaimTerms terms;
+        terms.capacity = {.representations = 4, .batch_bytes = 2048};
+        terms.limits = limits_for(crowd.device.link(), 1000, {});
+        others.push_back(std::make_unique<OfflineClaim>(terms));
+        crowd.servo.adopt(&others.back()->servo_side());
+        crowd.cycles(1);
+        others.back()->add(Spring{.anchor = {0.01, 0, 0}, .stiffness = 0.1});
+        others.back()->arm();
+        crowd.cycles(1);
+    }
+    // They never commit: all is over before the first of them counts as silent, after 3.5 s.
+    crowd.cycles(700);
+    crowd.servo.show_scenes(&crowd.watcher.log);
+    crowd.cycles(600);
+    ASSERT_NO_FATAL_FAILURE(crowd.watcher.look());
+    for (auto& [number, seen] : crowd.watcher.picture.claims) seen.contacts.clear();
+    std::uint64_t before = crowd.watcher.slots(), most = 0;
+    for (int i = 0; i < 500; ++i) {
+        crowd.cycles(1);
+        most = std::max(most, crowd.watcher.slots() - before);
+        before = crowd.watcher.slots();
+    }
+    EXPECT_LE(most, 2u) << "records of one contact in one cycle: one slot each";
+    ASSERT_NO_FATAL_FAILURE(crowd.watcher.look());
+    std::size_t touched = 0;
+    for (const auto& [number, seen] : crowd.watcher.picture.claims) touched += !seen.contacts.empty();
+    EXPECT_EQ(touched, many) << "each has its turn";
+}
+
 TEST(Unshown, GivesEachSlotOnceAndInBoundedSteps) {
     Unshown unshown(200);
     EXPECT_FALSE(unshown.any());

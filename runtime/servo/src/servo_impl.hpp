@@ -110,7 +110,8 @@ struct Servo::Impl {
     /// Writes some of what watchers have not been shown yet.
     void show_scenes() noexcept;
     void show_changes_of(Claim::Impl& claim, std::uint32_t& records, std::uint32_t& slots) noexcept;
-    void show_felt(Claim::Impl& claim) noexcept;
+    /// True: it wrote a record.
+    bool show_felt(Claim::Impl& claim) noexcept;
     template <class... Part>
     void put_scene(SceneRecord type, const Part&... parts) noexcept;
 
@@ -170,6 +171,8 @@ struct Servo::Impl {
     InputLog* input_log = nullptr;    // null: nobody records
     RecordLog* scene_log = nullptr;   // null: nobody watches
     std::size_t next_shown = 0;       // place of the claim whose changes are shown next
+    std::size_t next_felt = 0;        // place of the claim whose contacts are shown next
+    std::size_t felt_left = 0;        // claims that are left in this round
     std::uint64_t next_keyframe = 0;  // the first cycle in which a keyframe is due
     std::uint64_t claims_seen = 0;    // claims adopted so far, without observers
     std::size_t held = 0;             // those of them that are still here

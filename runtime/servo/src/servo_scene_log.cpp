@@ -52,11 +52,18 @@ void Servo::Impl::show_scenes() noexcept {
         }
         return;
     }
-    constexpr std::uint64_t turns = 16;  // of two cycles: 30 times a second
-    const std::uint64_t turn = report.cycle / 2 % turns;
-    for (const std::size_t place : claims.awake()) {
-        if (place % turns != turn) continue;
-        if (Claim::Impl& c = claims[place]; c.channels) show_felt(c);
+    // 30 times a second a round over all claims begins. However many are touched, a cycle writes of two, and the round
+    // takes longer.
+    constexpr std::uint64_t round = 32;  // cycles
+    if (felt_left == 0) {
+        if (report.cycle % round != 1) return;
+        felt_left = claims.size();
+    }
+    for (int looked = 0, written = 0; felt_left > 0 && looked < 16 && written < 2; ++looked, --felt_left) {
+        if (claims.size() == 0) return;
+        if (next_felt >= claims.size()) next_felt = 0;
+        Claim::Impl& c = claims[next_felt++];
+        if (c.channels && show_felt(c)) ++written;
     }
 }
 
@@ -98,9 +105,9 @@ void Servo::Impl::show_changes_of(Claim::Impl& c, std::uint32_t& records, std::u
     }
 }
 
-void Servo::Impl::show_felt(Claim::Impl& c) noexcept {
-    if (c.unshown.claim_waits()) return;
-    if (!c.touching && !c.shown_touching && c.scene_sleeps == c.shown_asleep) return;
+bool Servo::Impl::show_felt(Claim::Impl& c) noexcept {
+    if (c.unshown.claim_waits()) return false;
+    if (!c.touching && !c.shown_touching && c.scene_sleeps == c.shown_asleep) return false;
     c.shown_touching = c.touching;
     c.shown_asleep = c.scene_sleeps;
     std::array<SceneContact, most_scene_contacts> contacts;
@@ -117,6 +124,7 @@ void Servo::Impl::show_felt(Claim::Impl& c) noexcept {
     scene_log->put(
         static_cast<std::uint16_t>(SceneRecord::felt),
         {as_bytes(c.number), as_bytes(felt), std::as_bytes(std::span(contacts).first(felt.contacts))});
+    return true;
 }
 
 }  // namespace knurl::servo

@@ -341,7 +341,7 @@ export class Mock {
         if (/[/\\]/.test(message.file)) throw new Error(`file = "${message.file}": a name, no path`);
         return { path: `/home/knurl/recordings/${message.file}` };
       default:
-        return { path: "/home/knurl/recordings/knurl.mcap" };
+        return { path: "recordings/knurl.mcap" };
     }
   }
 
@@ -506,7 +506,7 @@ export class Mock {
         return;
       }
       sockets.handleUpgrade(request, socket, head, (ws) => {
-        ws.send(JSON.stringify({ op: "hello", version: "mock", role: this.options.role, kinds: this.kinds, simulated: true, recordings: "/home/knurl/recordings" }));
+        ws.send(JSON.stringify({ op: "hello", version: "mock", role: this.options.role, kinds: this.kinds, simulated: true, recordings: "recordings" }));
         ws.send(JSON.stringify(this.servo()));
         if (!this.away) for (const device of this.devices) ws.send(JSON.stringify(this.scene(device, true, ws)));
         this.sockets.add(ws);
