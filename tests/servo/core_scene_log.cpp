@@ -307,6 +307,8 @@ TEST(SceneLog, ARecordHoldsSoManyContactsAndNoMore) {
 
 TEST(SceneLog, ACycleWritesLittleHoweverManyClaimsAreTouched) {
     Crowd crowd;
+    crowd.servo.drop(&crowd.claim->servo_side());  // the others alone, with a contact each
+    crowd.cycles(100);
     std::vector<std::unique_ptr<OfflineClaim>> others;
     constexpr std::size_t many = 100;
     for (std::size_t i = 0; i < many; ++i) {

@@ -339,7 +339,7 @@ export class Mock {
         return {};
       case "record":
         if (/[/\\]/.test(message.file)) throw new Error(`file = "${message.file}": a name, no path`);
-        return { path: `/home/knurl/recordings/${message.file}` };
+        return { path: `recordings/${message.file}` };
       default:
         return { path: "recordings/knurl.mcap" };
     }
