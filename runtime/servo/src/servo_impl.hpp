@@ -109,6 +109,8 @@ struct Servo::Impl {
     void watch_scenes(RecordLog* log) noexcept;
     /// Writes some of what watchers have not been shown yet.
     void show_scenes() noexcept;
+    void show_changes() noexcept;
+    void show_contacts() noexcept;
     void show_changes_of(Claim::Impl& claim, std::uint32_t& records, std::uint32_t& slots) noexcept;
     /// True: it wrote a record.
     bool show_felt(Claim::Impl& claim) noexcept;

@@ -41,17 +41,21 @@ void Servo::Impl::watch_scenes(RecordLog* log) noexcept {
 
 // Changes and what is felt by turns: each half the rate, for half of what looking for them costs.
 void Servo::Impl::show_scenes() noexcept {
-    if (report.cycle % 2 == 0) {
-        constexpr std::size_t claims_at_once = 4;
-        std::uint32_t records = 2, slots = 64;
-        for (std::size_t n = std::min(claims.size(), claims_at_once); n > 0 && records > 0; --n) {
-            if (next_shown >= claims.size()) next_shown = 0;
-            Claim::Impl& c = claims[next_shown];
-            if (c.channels && c.unshown.any()) show_changes_of(c, records, slots);
-            if (records > 0) ++next_shown;
-        }
-        return;
+    report.cycle % 2 == 0 ? show_changes() : show_contacts();
+}
+
+void Servo::Impl::show_changes() noexcept {
+    constexpr std::size_t claims_at_once = 4;
+    std::uint32_t records = 2, slots = 64;
+    for (std::size_t n = std::min(claims.size(), claims_at_once); n > 0 && records > 0; --n) {
+        if (next_shown >= claims.size()) next_shown = 0;
+        Claim::Impl& c = claims[next_shown];
+        if (c.channels && c.unshown.any()) show_changes_of(c, records, slots);
+        if (records > 0) ++next_shown;
     }
+}
+
+void Servo::Impl::show_contacts() noexcept {
     // 30 times a second a round over all claims begins. However many are touched, a cycle writes of two, and the round
     // takes longer.
     constexpr std::uint64_t round = 32;  // cycles
