@@ -1,12 +1,10 @@
 #pragma once
-// A device for benchmarks whose own dynamics cost nothing.
+// A device whose own dynamics cost nothing, for programs that measure the cycle.
 
 #include <array>
 #include <cmath>
 #include <memory>
 #include <string_view>
-
-#include <benchmark/benchmark.h>
 
 #include <knurl/drivers/sim_device.hpp>
 
@@ -39,10 +37,12 @@ class TableArm final : public drivers::Device {
         return drivers::ReadStatus::ok;
     }
     bool write(Nanoseconds, const drivers::JointEfforts& efforts) noexcept override {
-        benchmark::DoNotOptimize(efforts);
+        efforts_ = efforts;
         return true;
     }
     void make_safe() noexcept override {}
+    /// What was written last.
+    const drivers::JointEfforts& efforts() const noexcept { return efforts_; }
 
   private:
     drivers::LinkConfig link_;
@@ -50,6 +50,7 @@ class TableArm final : public drivers::Device {
     std::size_t joints_ = 0;
     std::array<std::array<double, protocol::max_joints>, 4096> path_ = {};
     std::size_t next_ = 0;
+    drivers::JointEfforts efforts_ = {};
 };
 
 }  // namespace knurl::servo

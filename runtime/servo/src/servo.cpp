@@ -59,7 +59,7 @@ void Servo::step(Nanoseconds deadline, Nanoseconds now) noexcept {
     cycle.publish_counters(now);
     cycle.stages.end(Stage::publish);
     cycle.publish_parts();  // in one cycle in 64
-    if (cycle.scene_log != nullptr) cycle.show_scenes();
+    if (cycle.scene_log != nullptr && cycle.report.cycle % scene_log_turn == 0) cycle.show_scenes();
 }
 
 double Servo::Impl::begin_cycle(Nanoseconds deadline, Nanoseconds now) noexcept {

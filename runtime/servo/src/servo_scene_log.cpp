@@ -39,14 +39,15 @@ void Servo::Impl::watch_scenes(RecordLog* log) noexcept {
     }
 }
 
-// Changes and what is felt by turns: each half the rate, for half of what looking for them costs.
+// Changes and what is felt by turns. A turn may write several records: looking whether there are any costs more than
+// writing them, most of the time.
 void Servo::Impl::show_scenes() noexcept {
-    report.cycle % 2 == 0 ? show_changes() : show_contacts();
+    report.cycle / scene_log_turn % 2 == 0 ? show_changes() : show_contacts();
 }
 
 void Servo::Impl::show_changes() noexcept {
     constexpr std::size_t claims_at_once = 4;
-    std::uint32_t records = 2, slots = 64;
+    std::uint32_t records = most_scene_changes, slots = 256;
     for (std::size_t n = std::min(claims.size(), claims_at_once); n > 0 && records > 0; --n) {
         if (next_shown >= claims.size()) next_shown = 0;
         Claim::Impl& c = claims[next_shown];
@@ -56,14 +57,15 @@ void Servo::Impl::show_changes() noexcept {
 }
 
 void Servo::Impl::show_contacts() noexcept {
-    // 30 times a second a round over all claims begins. However many are touched, a cycle writes of two, and the round
+    // 30 times a second a round over all claims begins. However many are touched, a turn writes of a few, and the round
     // takes longer.
     constexpr std::uint64_t round = 32;  // cycles
     if (felt_left == 0) {
-        if (report.cycle % round != 1) return;
+        if (report.cycle % round != scene_log_turn) return;
         felt_left = claims.size();
     }
-    for (int looked = 0, written = 0; felt_left > 0 && looked < 16 && written < 2; ++looked, --felt_left) {
+    for (int looked = 0, written = 0; felt_left > 0 && looked < 64 && written < most_scene_felt;
+         ++looked, --felt_left) {
         if (claims.size() == 0) return;
         if (next_felt >= claims.size()) next_felt = 0;
         Claim::Impl& c = claims[next_felt++];

@@ -100,6 +100,12 @@ static_assert(std::is_trivially_copyable_v<SceneClaim> && std::is_trivially_copy
 inline constexpr std::uint32_t scene_log_slots = 8192;
 /// Bytes of its memory.
 inline constexpr std::size_t scene_log_bytes = record_log_bytes(scene_log_slots);
+/// Cycles from one turn to the next: by turns changes are written, and what is touched.
+inline constexpr std::uint64_t scene_log_turn = 4;
+/// Most changes that a turn writes, each a record.
+inline constexpr std::uint32_t most_scene_changes = 8;
+/// Most claims of which a turn writes what is touched.
+inline constexpr int most_scene_felt = 4;
 /// Most contacts of a claim in one record.
 inline constexpr std::uint32_t most_scene_contacts = 32;
 /// Most bytes of a record.
