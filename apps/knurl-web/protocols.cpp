@@ -3,7 +3,6 @@
 #include <array>
 #include <charconv>
 #include <cstdio>
-#include <filesystem>
 #include <map>
 #include <optional>
 #include <stdexcept>
@@ -11,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include <knurl/commandline/program.hpp>
 #include <knurl/gateway/foxglove.hpp>
 #include <knurl/gateway/inverse.hpp>
 #include <knurl/gateway/live_page.hpp>
@@ -20,15 +20,6 @@
 namespace knurl::web {
 
 namespace {
-
-/// The program `knurl`: beside this one, as installed or in a build tree; else the PATH's.
-std::string knurl_program() {
-    std::error_code none;
-    const std::filesystem::path here = std::filesystem::read_symlink("/proc/self/exe", none).parent_path();
-    for (const std::filesystem::path& candidate : {here / "knurl", here.parent_path() / "knurl" / "knurl"})
-        if (std::filesystem::is_regular_file(candidate, none)) return candidate.string();
-    return "knurl";
-}
 
 gateway::Response json(const Json& body, unsigned status = 200) {
     return {.status = status, .content_type = "application/json", .body = body.dump()};
@@ -66,7 +57,7 @@ struct Protocols::Impl {
           view(settings.servo),
           page(view, {.servo = settings.servo,
                       .recordings = settings.recordings,
-                      .knurl_program = knurl_program(),
+                      .knurl_program = commandline::program_beside("knurl"),
                       .log = [](const std::string& line) { fmt::print(stderr, "knurl-web: {}\n", line); }}),
           foxglove([this] { return gateway::foxglove_look(view); }) {}
 

@@ -32,14 +32,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string web_program() {
-    const fs::path here = fs::read_symlink("/proc/self/exe").parent_path();
-    // When installed the two are in one folder; in a build tree each has its own.
-    for (const fs::path& candidate : {here / "knurl-web", here.parent_path() / "knurl-web" / "knurl-web"})
-        if (fs::is_regular_file(candidate)) return candidate.string();
-    return "knurl-web";
-}
-
 /// A program whose standard output is read here. Ends with this object, or with this process.
 class Child {
   public:
@@ -150,9 +142,9 @@ class Lines {
 };
 
 /// A pipe through which the page pulls the hand of a simulated device (its option live=).
-class HandPipe {
+class HandFifo {
   public:
-    HandPipe() {
+    HandFifo() {
         std::string pattern = (fs::temp_directory_path() / "knurl-XXXXXX").string();
         if (::mkdtemp(pattern.data()) == nullptr)
             throw std::runtime_error(pattern + ": cannot be made: " + std::strerror(errno));
@@ -160,12 +152,12 @@ class HandPipe {
         if (::mkfifo(path().c_str(), 0600) != 0)
             throw std::runtime_error(path() + ": cannot be made: " + std::strerror(errno));
     }
-    ~HandPipe() {
+    ~HandFifo() {
         std::error_code none;
         fs::remove_all(folder_, none);
     }
-    HandPipe(const HandPipe&) = delete;
-    HandPipe& operator=(const HandPipe&) = delete;
+    HandFifo(const HandFifo&) = delete;
+    HandFifo& operator=(const HandFifo&) = delete;
 
     std::string path() const { return folder_ / "hand"; }
 
@@ -191,9 +183,9 @@ bool runs(const protocol::ServoAddress& servo, bool path) {
 int web(const WebWish& wish) {
     const protocol::ServoAddress said = servo_said(wish.servo);
     commandline::stop_on_signals();
-    std::optional<HandPipe> hand;
+    std::optional<HandFifo> hand;
     std::optional<measure::PrivateServo> own;
-    std::vector<std::string> words{web_program(), "--servo", wish.servo};
+    std::vector<std::string> words{commandline::program_beside("knurl-web"), "--servo", wish.servo};
     if (!runs(said, wish.servo.find('/') != std::string::npos)) {
         std::string device = wish.device;
         if (has_free_hand(device)) device += ",live=" + hand.emplace().path();

@@ -11,6 +11,7 @@
 #include <knurl/reps/all.hpp>
 
 #include "inverse_fakes.hpp"
+#include "params_text.hpp"
 
 namespace {
 
@@ -76,7 +77,8 @@ TEST_F(InverseItems, a_change_inherits_what_it_does_not_state_and_a_removal_ends
 }
 
 TEST_F(InverseItems, mistakes_are_one_line_that_says_what_to_do) {
-    EXPECT_EQ(say(R"({"add":{"id":"f","kind":"plan"}})"), "there is no kind 'plan'; did you mean 'plane'?");
+    EXPECT_EQ(say(R"({"add":{"id":"f","kind":"plan"}})"),
+              "there is no representation 'plan'; did you mean 'plane'?");
     EXPECT_EQ(say(R"({"add":{"id":"f","kind":"plane","stifness":1}})"),
               "unknown key 'stifness' in plane 'f'; did you mean 'stiffness'?");
     EXPECT_EQ(say(R"({"add":{"kind":"plane"}})"),

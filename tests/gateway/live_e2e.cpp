@@ -211,13 +211,13 @@ TEST_F(Live, WhatAPageMayNotDoIsRefusedInOneLine) {
     EXPECT_THAT(renderer.refusal("arm"), HasSubstr("needs the role control"));
     EXPECT_THAT(renderer.refusal("record", {{"file", "a"}}), HasSubstr("needs the role control"));
     EXPECT_THAT(control.refusal("add", {{"kind", "plain"}}),
-                HasSubstr("there is no representation 'plain'; there are plane"));
+                HasSubstr("there is no representation 'plain'; did you mean 'plane'?"));
     EXPECT_THAT(control.refusal("add", {{"kind", "plane"}, {"params", {{"stiffness", -1}}}}),
                 HasSubstr("stiffness = -1"));
     EXPECT_THAT(control.refusal("add", {{"kind", "plane"}, {"params", {{"stifness", 1}}}}),
                 HasSubstr("stiffness"));
     EXPECT_THAT(control.refusal("add", {{"kind", "plane"}, {"params", {{"x\n[y]", 1}}}}),
-                HasSubstr("is no field"));
+                HasSubstr("unknown key"));
     EXPECT_THAT(control.refusal("add", {{"kind", "plane"}, {"device", 4}}), HasSubstr("device 4 of 1"));
     EXPECT_THAT(control.refusal("set", {{"slot", 5}, {"params", {{"stiffness", 1}}}}),
                 HasSubstr("nothing in slot 5"));

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <cstring>
 #include <exception>
+#include <filesystem>
 #include <system_error>
 
 #include <knurl/commandline/program.hpp>
@@ -83,6 +84,16 @@ void stop_on_signals() {
     for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
         if (std::signal(signal, [](int) { stop = true; }) == SIG_IGN) std::signal(signal, SIG_IGN);
     }
+}
+
+std::string program_beside(const std::string& name) {
+    std::error_code none;
+    const std::filesystem::path here = std::filesystem::read_symlink("/proc/self/exe", none).parent_path();
+    // In a build tree each has a folder of its own; demos lie one deeper.
+    const std::filesystem::path beside = here.parent_path(), above = beside.parent_path();
+    for (const std::filesystem::path& candidate : {here / name, beside / name / name, above / name / name})
+        if (std::filesystem::is_regular_file(candidate, none)) return candidate.string();
+    return name;
 }
 
 }  // namespace knurl::commandline

@@ -12,6 +12,8 @@
 #include <knurl/words/nearest.hpp>
 #include <knurl/words/printable.hpp>
 
+#include "params_text.hpp"
+
 namespace knurl::gateway {
 
 namespace {
@@ -19,81 +21,19 @@ namespace {
 constexpr std::size_t longest_id = 64;     // bytes
 constexpr std::size_t longest_quote = 60;  // bytes of a client's text in our messages
 
-void write_text(std::string& out, std::string_view text) {
-    out += '"';
-    for (const char c : text) {
-        if (c == '"' || c == '\\') {
-            out += '\\';
-            out += c;
-        } else if (static_cast<unsigned char>(c) < ' ' || c == 0x7f) {
-            out += fmt::format("\\u{:04X}", static_cast<unsigned char>(c));
-        } else {
-            out += c;
-        }
-    }
-    out += '"';
-}
-
-/// JSON has no infinity.
-bool is_infinity(const Json& value) {
-    return value.is_string() && (value == "inf" || value == "-inf");
-}
-
-void write_value(std::string& out, const std::string& key, const Json& value) {
-    if (value.is_boolean()) {
-        out += value.get<bool>() ? "true" : "false";
-    } else if (value.is_number_float()) {
-        const std::string number = fmt::format("{}", value.get<double>());
-        out += number;
-        if (number.find_first_of(".einf") == std::string::npos) out += ".0";
-    } else if (value.is_number()) {
-        if (value > Json(std::numeric_limits<std::int64_t>::max()))
-            throw InverseMistake(
-                fmt::format("{} is larger than any integer may be", words::printable(key, longest_quote)));
-        out += std::to_string(value.get<std::int64_t>());
-    } else if (is_infinity(value) && key != "id") {
-        out += value.get<std::string>();
-    } else if (value.is_string()) {
-        write_text(out, value.get<std::string>());
-    } else if (value.is_array()) {
-        out += '[';
-        for (const Json& element : value) {
-            write_value(out, key, element);
-            out += ',';
-        }
-        out += ']';
-    } else if (value.is_object()) {
-        out += '{';
-        bool first = true;
-        for (const auto& [inner, member] : value.items()) {
-            if (!std::exchange(first, false)) out += ',';
-            write_text(out, inner);
-            out += '=';
-            write_value(out, inner, member);
-        }
-        out += '}';
-    } else {
-        throw InverseMistake(fmt::format("{} is null; leave it out", words::printable(key, longest_quote)));
-    }
-}
-
 Kind kind_named(const Json& stated) {
-    std::vector<std::string_view> names;
-    for (const KindInfo& info : kinds()) names.push_back(info.name);
     if (!stated.contains("kind") || !stated.at("kind").is_string())
         throw InverseMistake("knurl.add needs a kind; write \"kind\": \"plane\"");
-    const auto name = stated.at("kind").get<std::string>();
-    for (Kind kind = 0; kind < names.size(); ++kind) {
-        if (names[kind] != name) continue;
-        if (kind == kind_of<Shape>)
-            throw InverseMistake(
-                "a shape needs a mesh, and this protocol has no way to send one; see knurl-web's page");
-        return kind;
+    Kind kind = 0;
+    try {
+        kind = kind_of_name(stated.at("kind").get<std::string>());
+    } catch (const std::runtime_error& error) {
+        throw InverseMistake(error.what());
     }
-    std::string all;
-    for (const auto each : names) all += (all.empty() ? "there are " : ", ") + std::string(each);
-    throw InverseMistake(fmt::format("there is no kind '{}'; {}", words::printable(name, longest_quote),
-                                     words::did_you_mean(name, names, all)));
+    if (kind == kind_of<Shape>)
+        throw InverseMistake(
+            "a shape needs a mesh, and this protocol has no way to send one; see knurl-web's page");
+    return kind;
 }
 
 scenefile::Stated read(Kind kind, const Json& stated, std::span<const std::byte> before) {
@@ -101,7 +41,7 @@ scenefile::Stated read(Kind kind, const Json& stated, std::span<const std::byte>
     fields.erase("kind");
     try {
         return scenefile::read_stated(kind, toml_of(fields), before);
-    } catch (const scenefile::SceneError& error) {
+    } catch (const std::runtime_error& error) {
         throw InverseMistake(error.what());
     }
 }
@@ -155,17 +95,6 @@ void points_in(const Axes& axes, const Field& field, std::byte* place) {
 }
 
 }  // namespace
-
-std::string toml_of(const Json& table) {
-    std::string out;
-    for (const auto& [key, value] : table.items()) {
-        write_text(out, key);
-        out += '=';
-        write_value(out, key, value);
-        out += '\n';
-    }
-    return out;
-}
 
 std::string read_item_id(const Json& stated) {
     if (!stated.is_object())

@@ -38,7 +38,4 @@ std::string read_item_id(const Json& stated);
 /// as orientations do (Axes::orientation).
 std::vector<std::byte> in_axes(const Axes& axes, Kind kind, const std::vector<std::byte>& params);
 
-/// The members of a table as keys and values of TOML, for scenefile::read_stated. Throws InverseMistake.
-std::string toml_of(const Json& table);
-
 }  // namespace knurl::gateway

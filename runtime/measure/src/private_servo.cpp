@@ -12,6 +12,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <knurl/commandline/program.hpp>
 #include <knurl/measure/private_servo.hpp>
 
 namespace knurl::measure {
@@ -19,17 +20,6 @@ namespace knurl::measure {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string servo_program() {
-    const fs::path here = fs::read_symlink("/proc/self/exe").parent_path();
-    // When installed the two are in one folder; in a build tree each has its own.
-    const fs::path beside = here.parent_path(), above = beside.parent_path();
-    for (const fs::path& candidate :
-         {here / "knurld", beside / "knurld" / "knurld", above / "knurld" / "knurld"}) {
-        if (fs::is_regular_file(candidate)) return candidate.string();
-    }
-    return "knurld";
-}
 
 std::string fresh_directory() {
     std::string pattern = (fs::temp_directory_path() / "knurl-XXXXXX").string();
@@ -47,7 +37,7 @@ PrivateServo::PrivateServo(const std::vector<std::string>& arguments)
     ::setenv("KNURL_STATE_DIR", directory_.c_str(), 1);
 
     // All allocations precede the fork.
-    std::vector<std::string> words{servo_program(), "--name", "private"};
+    std::vector<std::string> words{commandline::program_beside("knurld"), "--name", "private"};
     words.insert(words.end(), arguments.begin(), arguments.end());
     std::vector<char*> argv;
     for (auto& word : words) argv.push_back(word.data());

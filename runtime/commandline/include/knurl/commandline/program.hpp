@@ -46,6 +46,10 @@ int guarded(const std::function<std::string()>& who, const std::function<int()>&
 /// main() of a program with a Command: reads the command line, then runs its action.
 int run(Command& program, int argc, const char* const* argv);
 
+/// Path of another program of Knurl: beside this one, where both are installed or in a build tree; else its name alone,
+/// for the PATH.
+std::string program_beside(const std::string& name);
+
 /// Set by stop_on_signals(); for programs that end by themselves and keep what they have.
 inline std::atomic<bool> stop{false};
 static_assert(std::atomic<bool>::is_always_lock_free, "written by a signal handler");
