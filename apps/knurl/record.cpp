@@ -16,6 +16,7 @@
 #include <sys/signalfd.h>
 #include <time.h>
 
+#include <knurl/gateway/scene_notes.hpp>
 #include <knurl/measure/progress.hpp>
 #include <knurl/protocol/asset.hpp>
 #include <knurl/protocol/attach.hpp>
@@ -320,6 +321,17 @@ class Recorder {
     bool exact_ = false, begun_ = false, said_ = false, lost_ = false;
 };
 
+/// What is in the scenes, for who opens the file.
+void write_scenes(gateway::SceneNotes& scenes, RecordingWriter& file) {
+    using Form = gateway::SceneNote::Form;
+    using Scene = RecordingWriter::Scene;
+    for (const gateway::SceneNote& note : scenes.look(std::chrono::steady_clock::now()))
+        file.scene(note.form == Form::page   ? Scene::page
+                   : note.form == Form::mesh ? Scene::mesh
+                                             : Scene::markers,
+                   note.read_ns, std::as_bytes(std::span(note.bytes)));
+}
+
 int record(const RecordArguments& arguments) {
     const Existing existing = arguments.force ? Existing::replaced : Existing::kept;
     if (!arguments.salvage.empty()) {
@@ -330,8 +342,10 @@ int record(const RecordArguments& arguments) {
     const shm::UniqueFd signals = take_signals();
     const protocol::ServoAddress servo = servo_said(arguments.servo);
     Source source(servo, arguments.device);
-    RecordingWriter file(arguments.file, source.info(), existing);
+    const RecordingInfo info = source.info();
+    RecordingWriter file(arguments.file, info, existing);
     Recorder recorder(source, file);
+    gateway::SceneNotes scenes(arguments.servo, info.device, info.realtime_offset_ns);
 
     const auto begin = Clock::now();
     auto flushed = begin;
@@ -348,9 +362,10 @@ int record(const RecordArguments& arguments) {
              (arguments.seconds == 0 ||
               std::chrono::duration<double>(now - begin).count() < arguments.seconds);
         recorder.drain();
+        if (!recorder.lost()) write_scenes(scenes, file);  // a disk that is full has room for reports at most
         if (recorder.has_to_say()) progress.clear();
-        recorder.say_when_begun(fmt::format("recording device '{}' of servo '{}' into {}",
-                                            source.info().device, servo.name, arguments.file));
+        recorder.say_when_begun(fmt::format("recording device '{}' of servo '{}' into {}", info.device,
+                                            servo.name, arguments.file));
         recorder.say_when_exact();
         progress.show(fmt::format(
             "{}, {}",

@@ -358,7 +358,7 @@ TEST(Record, TheFormatsOwnReaderOpensIt) {
     for (const json& count : found.at("topics")) all += count.get<int>();
     EXPECT_EQ(found.at("streamed").get<int>(), all);
     EXPECT_GT(found.at("topics").at("/premium15/report"), 2000);
-    EXPECT_EQ(found.at("topics").size(), 8u);
+    EXPECT_EQ(found.at("topics").size(), 11u);
 }
 
 }  // namespace

@@ -326,8 +326,36 @@ test("a recording plays, is scrubbed, and closed; a file that is none is one lin
       const k = h.find(model.cursor - 1e-9);
       return { cursor: model.cursor, shown: scene.getObjectByName("hand:-1").position.toArray(), said: [h.columns.px[k], h.columns.py[k], h.columns.pz[k]] };
     });
-    assert.ok(Math.abs(cursor - 0.605) < 0.01, `${cursor} s`);
+    assert.ok(Math.abs(cursor - 0.8) < 0.01, `${cursor} s`);
     assert.ok(Math.hypot(...shown.map((x, k) => x - said[k])) < 1e-9, `${shown}, ${said}`);
+    // Arm, plane and mesh as they were then; none of the two before they were added.
+    const things = () =>
+      tab.evaluate(async () => {
+        await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
+        const { model, scene } = window.knurl;
+        const names = [];
+        scene.getObjectByName("device:-1").traverse((one) => one.name.startsWith("item:") && names.push(one.name));
+        return { kinds: [...model.recording.items.values()].map((item) => item.kind).sort(), names, arm: scene.getObjectByName("arm:-1").visible };
+      });
+    const seek = (value) =>
+      tab.evaluate((to) => {
+        const scrub = document.querySelector("#scrub");
+        scrub.value = String(to);
+        scrub.dispatchEvent(new Event("input"));
+      }, value);
+    let there = await things();
+    assert.deepEqual(there.kinds, ["plane", "shape"]);
+    assert.ok(there.names.length === 2 && there.arm, JSON.stringify(there));
+    await tab.waitForFunction(() => {
+      let triangles = 0;
+      window.knurl.scene.getObjectByName("device:-1").traverse((one) => one.name === "asset" && (triangles = one.geometry.index?.count ?? 0));
+      return triangles === 36;
+    });
+    await seek(0);
+    there = await things();
+    assert.ok(there.kinds.length === 0 && there.names.length === 0, JSON.stringify(there));
+    await seek(5000);
+    assert.deepEqual((await things()).kinds, ["plane", "shape"]);
     await tab.waitForTimeout(300);
     await shot(tab, "recording");
     await tab.keyboard.press("Tab");
@@ -339,6 +367,19 @@ test("a recording plays, is scrubbed, and closed; a file that is none is one lin
     await tab.setInputFiles("#open-file", { name: "none.mcap", mimeType: "x/y", buffer: Buffer.from("not an MCAP file at all") });
     await says(tab, /none\.mcap: no MCAP file/);
   }));
+
+test("a recording into a file goes on when the page is loaded anew, and is stopped there", onlyMock, async () => {
+  await with_page(async (tab) => {
+    await tab.click("#record");
+    await tab.waitForFunction(() => /^Stop/.test(document.querySelector("#record").textContent));
+  });
+  await with_page(async (tab) => {
+    await tab.waitForFunction(() => /^Stop/.test(document.querySelector("#record").textContent));
+    assert.match(await tab.locator("#record-path").textContent(), /recordings\/knurl\.mcap/);
+    await tab.click("#record");
+    await tab.waitForFunction(() => document.querySelector("#record").textContent === "Record");
+  });
+});
 
 test("the server is killed under the page: it says so, and comes back", onlyMock, () =>
   with_page(async (tab) => {

@@ -220,6 +220,17 @@ test("a recording of knurl record", async () => {
   const { pz, fz, state } = recorded.history.columns;
   assert.ok(pz.some((z) => z < 0.005) && fz.some((f) => f > 0.3), "it pressed on the wall");
   assert.ok(state.some((s) => s === 4));
+  // Its scenes: what the page is told live, and the mesh.
+  const told = recorded.scenes.map(({ text }) => JSON.parse(text));
+  assert.equal(told[0].op, "servo");
+  assert.equal(told[0].devices[0].name, "right");
+  assert.ok(told[1].op === "scene" && told[1].full);
+  const kinds = new Set(told.flatMap((one) => (one.op === "scene" ? one.items.map((item) => item.kind) : [])));
+  assert.deepEqual([...kinds].sort(), ["plane", "shape"]);
+  assert.ok(told.some((one) => one.op === "felt" && one.items.length) && told.some((one) => one.op === "arm" && one.points.length > 2));
+  const times = recorded.scenes.map(({ t }) => t);
+  assert.ok(times.every((t, k) => t >= 0 && t <= recorded.history.last + 0.1 && (k === 0 || t >= times[k - 1])));
+  assert.deepEqual([...recorded.meshes.values()].map((mesh) => decodeAsset(mesh).indices.length), [36]);
   const q = recorded.more.subarray(0, 4);
   assert.ok(Math.abs(Math.hypot(...q) - 1) < 1e-5);
 });

@@ -143,17 +143,7 @@ std::optional<std::string> LivePage::asset(std::size_t device, std::uint64_t cla
     if (of == devices[device].claims.end()) return std::nullopt;
     const auto found = of->second.assets.find(number);
     if (found == of->second.assets.end() || found->second == nullptr) return std::nullopt;
-    const SeenAsset& asset = *found->second;
-    const std::uint32_t counts[] = {static_cast<std::uint32_t>(asset.vertices.size() / 3),
-                                    static_cast<std::uint32_t>(asset.triangles.size() / 3)};
-    const auto bytes = [](const auto& values) {
-        return std::string_view(reinterpret_cast<const char*>(std::data(values)),
-                                sizeof(values[0]) * std::size(values));
-    };
-    std::string text(bytes(counts));
-    text += bytes(asset.vertices);
-    text += bytes(asset.triangles);
-    return text;
+    return mesh_bytes(*found->second);
 }
 
 std::size_t LivePage::pages() const {

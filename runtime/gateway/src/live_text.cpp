@@ -333,6 +333,19 @@ std::string scene_text(std::uint32_t device, const SeenDevice& seen, std::uint64
     return scene.dump();
 }
 
+std::string mesh_bytes(const SeenAsset& mesh) {
+    const std::uint32_t counts[] = {static_cast<std::uint32_t>(mesh.vertices.size() / 3),
+                                    static_cast<std::uint32_t>(mesh.triangles.size() / 3)};
+    const auto bytes = [](const auto& values) {
+        return std::string_view(reinterpret_cast<const char*>(std::data(values)),
+                                sizeof(values[0]) * std::size(values));
+    };
+    std::string text(bytes(counts));
+    text += bytes(mesh.vertices);
+    text += bytes(mesh.triangles);
+    return text;
+}
+
 std::string felt_text(std::uint32_t device, const SeenDevice& seen, bool& before) {
     std::string items;
     constexpr std::uint32_t asleep = 32;

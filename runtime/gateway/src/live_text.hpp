@@ -34,6 +34,8 @@ std::string status_text(std::span<const SeenDevice> devices,
 /// nothing has.
 std::string scene_text(std::uint32_t device, const SeenDevice& seen, std::uint64_t since,
                        const std::set<std::uint64_t>& mine);
+/// A mesh as `GET /asset` gives it.
+std::string mesh_bytes(const SeenAsset& mesh);
 /// What is touched; empty: nothing, and nothing was in `before` (which it sets).
 std::string felt_text(std::uint32_t device, const SeenDevice& seen, bool& before);
 

@@ -22,6 +22,8 @@ namespace {
 
 constexpr const char* former_report_topic = "/knurl/report";  // up to November 2026
 constexpr const char* inputs_topic = "/knurl/inputs";
+constexpr const char* page_topic = "/knurl/scene";
+constexpr const char* meshes_topic = "/knurl/mesh";
 constexpr const char* metadata_name = "knurl";
 constexpr const char* missing_name = "knurl missing";
 constexpr std::size_t longest_word = 256;  // bytes of what the metadata says
@@ -146,7 +148,7 @@ constexpr std::size_t report_at = std::size(messages::CdrWriter::encapsulation);
 /// What a recording has of the channels that Foxglove is sent live.
 bool recorded(messages::Channel channel) {
     using messages::Channel;
-    return channel != Channel::scene && channel != Channel::parameters && channel != Channel::diagnostics;
+    return channel != Channel::parameters && channel != Channel::diagnostics;
 }
 
 /// The header of a message of inputs.
@@ -170,6 +172,8 @@ RecordingWriter::RecordingWriter(const std::string& path, const RecordingInfo& i
                                                        std::string(channel.encoding), &schema);
     }
     inputs_ = file_.add_channel(inputs_topic, "knurl", nullptr);
+    page_ = file_.add_channel(page_topic, "json", nullptr);
+    meshes_ = file_.add_channel(meshes_topic, "knurl", nullptr);
     file_.add_metadata(metadata_name, metadata_of(info));
 }
 
@@ -188,6 +192,13 @@ void RecordingWriter::report(const Report& report) {
     write(Channel::joy, messages::joy_message(device_, time, report));
     const messages::HandTransform hand{.device = device_, .stamp_ns = time, .report = &report};
     write(Channel::tf, messages::transforms_message(std::span(&hand, 1)));
+}
+
+void RecordingWriter::scene(Scene form, std::int64_t read_ns, std::span<const std::byte> message) {
+    const std::uint16_t channel = form == Scene::page   ? page_
+                                  : form == Scene::mesh ? meshes_
+                                                        : channels_.at(messages::Channel::scene);
+    file_.message(channel, read_ns + offset_, message, {});
 }
 
 void RecordingWriter::input(const servo::InputRecord& record) {

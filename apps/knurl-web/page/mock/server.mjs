@@ -271,7 +271,7 @@ export class Mock {
         const parts = { read: 8.3 + Math.random(), kinematics: 0.9, take: 0.7, scenes: 1.2 + 0.25 * n + 0.3 * Math.random(), supervise: 0.6, write: 0.3, publish: 0.8, sleep: 980 };
         const busy = Object.entries(parts).reduce((sum, [name, us]) => sum + (name === "sleep" ? 0 : us), 0);
         return {
-          i: d.info.i, rate: 999.6 + Math.random(), late: d.late, overruns: d.late, busy: busy / 1000, step: busy, parts, late_median: 33, late_max: 1200, counters: {},
+          i: d.info.i, recording: d.recording ?? null, rate: 999.6 + Math.random(), late: d.late, overruns: d.late, busy: busy / 1000, step: busy, parts, late_median: 33, late_max: 1200, counters: {},
           clients: [...d.claims.values()].map((claim) => {
             const representations = {};
             for (const item of d.items.values()) if (item.claim === claim.claim) representations[item.kind] = (representations[item.kind] ?? 0) + 1;
@@ -339,7 +339,10 @@ export class Mock {
         return {};
       case "record":
         if (/[/\\]/.test(message.file)) throw new Error(`file = "${message.file}": a name, no path`);
-        return { path: `recordings/${message.file}` };
+        return { path: (device.recording = `recordings/${message.file}`) };
+      case "stop":
+        device.recording = null;
+        return { path: "recordings/knurl.mcap" };
       default:
         return { path: "recordings/knurl.mcap" };
     }

@@ -59,6 +59,7 @@ const playground = new Playground(model, () => connection);
 const player = new Player(model);
 model.asset = (message) => void playground.sent(message);
 model.forgetting = () => playground.remember();
+model.on("recording", () => view.forgetAssets());
 
 // ---- the mouse as a hand: one request at a time, the newest target wins
 let pulling: { device: number; target: [number, number, number] | null } | null = null;

@@ -10,6 +10,10 @@ export interface Recorded {
   /** w x y z, x y z, x y z of each report: orientation, contact point, torque, scene force; then faults, buttons, flags. */
   more: Float32Array;
   metadata: Map<string, string>;
+  /** What was in the scenes, in order: texts of knurl.live.v1, at the time of `history`. Older files have none. */
+  scenes: { t: number; text: string }[];
+  /** Meshes of the scenes, as /asset gives them, by "CLAIM/ASSET". */
+  meshes: Map<string, ArrayBuffer>;
   /** Seconds between two reports. */
   period: number;
   /** Lines that a person should see: what was cut off. */
@@ -18,6 +22,15 @@ export interface Recorded {
 export const moreColumns = 16;
 const piece = 1 << 20;
 const mostReports = 20_000_000;
+
+/** "/right/report"; "/knurl/report" up to November 2026. */
+const reportTopic = /^\/\w+\/report$/;
+
+function keepMesh(meshes: Map<string, ArrayBuffer>, data: Uint8Array): void {
+  const view = new DataView(data.buffer, data.byteOffset, data.byteLength);
+  if (data.byteLength < 16) throw new Error("a mesh that is shorter than its head");
+  meshes.set(`${view.getBigUint64(0, true)}/${view.getUint32(8, true)}`, data.slice(16).buffer);
+}
 
 /** Throws Error with one line where it is no recording of ours. */
 export async function readRecording(bytes: Uint8Array, between?: (share: number) => Promise<void>): Promise<Recorded> {
@@ -30,7 +43,12 @@ export async function readRecording(bytes: Uint8Array, between?: (share: number)
   const metadata = new Map<string, string>();
   const schemas = new Map<number, string>();
   const notes: string[] = [];
+  const scenes: { ns: number; text: string }[] = [];
+  const meshes = new Map<string, ArrayBuffer>();
+  const offset = (): number => Number(metadata.get("realtime_offset_ns") ?? 0);
   let channel = -1;
+  let sceneChannel = -1;
+  let meshChannel = -1;
   let layout: CdrLayout | null = null;
   let read: ((view: DataView) => number)[] = [];
   let readMore: ((view: DataView) => number)[] = [];
@@ -77,7 +95,9 @@ export async function readRecording(bytes: Uint8Array, between?: (share: number)
       for (let record = reader.nextRecord(); record; record = reader.nextRecord()) {
         if (record.type === "Metadata" && record.name === "knurl") for (const [key, value] of record.metadata) metadata.set(key, value);
         else if (record.type === "Schema") schemas.set(record.id, new TextDecoder().decode(record.data));
-        else if (record.type === "Channel" && record.topic === "/knurl/report") {
+        else if (record.type === "Channel" && record.topic === "/knurl/scene") sceneChannel = record.id;
+        else if (record.type === "Channel" && record.topic === "/knurl/mesh") meshChannel = record.id;
+        else if (record.type === "Channel" && channel < 0 && reportTopic.test(record.topic)) {
           channel = record.id;
           layout = new CdrLayout(schemas.get(record.schemaId) ?? "");
           const of = (name: string) => ["x", "y", "z"].map((axis) => layout!.reader(`${name}.${axis}`));
@@ -91,13 +111,15 @@ export async function readRecording(bytes: Uint8Array, between?: (share: number)
           deadlineNs = layout.reader("deadline_ns");
           writeNs = layout.reader("write_ns");
         } else if (record.type === "Message" && record.channelId === channel) take(record.data);
+        else if (record.type === "Message" && record.channelId === sceneChannel) scenes.push({ ns: Number(record.logTime) - offset(), text: new TextDecoder().decode(record.data) });
+        else if (record.type === "Message" && record.channelId === meshChannel) keepMesh(meshes, record.data);
       }
     } catch (error) {
       broken = error instanceof Error ? error.message.split("\n")[0] : String(error);
     }
     await between?.(Math.min(1, (at + piece) / bytes.length));
   }
-  if (channel < 0) throw new Error(broken || "an MCAP file, but none that knurl record made (it has no channel /knurl/report)");
+  if (channel < 0) throw new Error(broken || "an MCAP file, but none that knurl record made (it has no channel /DEVICE/report)");
   if (count === 0) throw new Error(broken || (reader.done() ? "a recording without a report" : "cut off before the first reports were complete"));
   if (broken) notes.push(`used up to a damaged place: ${broken}`);
   else if (!reader.done()) notes.push("the file was cut off; what is complete is shown");
@@ -116,5 +138,5 @@ export async function readRecording(bytes: Uint8Array, between?: (share: number)
   }
   history.count = count;
   const rate = Number(metadata.get("rate")) || (count > 1 ? (count - 1) / (history.last || 1) : 1000);
-  return { history, more, metadata, period: 1 / rate, notes };
+  return { history, more, metadata, scenes: scenes.map(({ ns, text }) => ({ t: (ns - first) * 1e-9, text })), meshes, period: 1 / rate, notes };
 }

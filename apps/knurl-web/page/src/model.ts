@@ -12,6 +12,7 @@ import {
   type Kind,
   type Message,
   type Reports,
+  type SceneMessage,
   type Servo,
   felt as flag,
   stateName,
@@ -21,7 +22,7 @@ import {
 export interface SeenItem extends Item {
   /** Counts changes of its parameters; a drawer updates where it differs. */
   version: number;
-  /** performance.now() when it changed. */
+  /** performance.now() when it changed; Infinity in a recording. */
   since: number;
   felt: Felt | null;
 }
@@ -74,6 +75,8 @@ export class Model {
   kinds = new Map<string, Kind>();
   /** A recording that is looked at in place of the servo. */
   recording: Device | null = null;
+  /** Its meshes, as /asset gives them, by "CLAIM/ASSET". */
+  recordedMeshes = new Map<string, ArrayBuffer>();
   /** Seconds at which the recording is looked at. */
   cursor = 0;
   selected = 0;
@@ -143,47 +146,12 @@ export class Model {
         break;
       case "scene": {
         const device = this.devices.get(message.device);
-        if (!device) break;
-        if (message.full) {
-          device.claims.clear();
-          device.items.clear();
-          device.felt = [];
-        }
-        for (const gone of message.gone ?? []) {
-          if (gone.length > 1) device.items.delete(itemKey(gone[0], gone[1]));
-          else {
-            device.claims.delete(gone[0]);
-            for (const [key, item] of device.items) if (item.claim === gone[0]) device.items.delete(key);
-          }
-        }
-        for (const claim of message.claims ?? []) device.claims.set(claim.claim, claim);
-        for (const item of message.items ?? []) {
-          const key = itemKey(item.claim, item.slot);
-          const old = device.items.get(key);
-          const same = old && old.generation === item.generation && old.kind === item.kind;
-          device.items.set(key, {
-            ...item,
-            version: (old?.version ?? 0) + 1,
-            since: performance.now(),
-            felt: same ? old.felt : null,
-          });
-        }
-        device.felt = device.felt.filter((item) => device.items.get(itemKey(item.claim, item.slot)) === item);
-        device.version++;
-        this.tell("scene");
+        if (device) this.takeScene(device, message, performance.now());
         break;
       }
       case "felt": {
         const device = this.devices.get(message.device);
-        if (!device) break;
-        for (const item of device.items.values()) item.felt = null;
-        device.felt = [];
-        for (const entry of message.items) {
-          const item = device.items.get(itemKey(entry[0], entry[1]));
-          if (!item) continue;
-          item.felt = entry;
-          device.felt.push(item);
-        }
+        if (device) this.takeFelt(device, message.items);
         break;
       }
       case "status":
@@ -209,6 +177,42 @@ export class Model {
         break;
       default:
         throw new Error(`a message "${(message as { op?: string }).op}", which this page does not know`);
+    }
+  }
+
+  /** `since`: when it became so (performance.now()); Infinity: what moves by itself stands still, as in a recording. */
+  takeScene(device: Device, message: SceneMessage, since: number): void {
+    if (message.full) {
+      device.claims.clear();
+      device.items.clear();
+      device.felt = [];
+    }
+    for (const gone of message.gone ?? []) {
+      if (gone.length > 1) device.items.delete(itemKey(gone[0], gone[1]));
+      else {
+        device.claims.delete(gone[0]);
+        for (const [key, item] of device.items) if (item.claim === gone[0]) device.items.delete(key);
+      }
+    }
+    for (const claim of message.claims ?? []) device.claims.set(claim.claim, claim);
+    for (const item of message.items ?? []) {
+      const key = itemKey(item.claim, item.slot);
+      const old = device.items.get(key);
+      const same = old && old.generation === item.generation && old.kind === item.kind;
+      device.items.set(key, { ...item, version: (old?.version ?? 0) + 1, since, felt: same ? old.felt : null });
+    }
+    device.felt = device.felt.filter((item) => device.items.get(itemKey(item.claim, item.slot)) === item);
+    device.version++;
+    this.tell("scene");
+  }
+  takeFelt(device: Device, items: Felt[]): void {
+    for (const item of device.items.values()) item.felt = null;
+    device.felt = [];
+    for (const entry of items) {
+      const item = device.items.get(itemKey(entry[0], entry[1]));
+      if (!item) continue;
+      item.felt = entry;
+      device.felt.push(item);
     }
   }
 

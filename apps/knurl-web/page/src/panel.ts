@@ -11,7 +11,8 @@ const giving = ["spring", "constant_force", "taylor", "taylor6", "gravity", "mag
 export class Panel {
   private lateBefore = new Map<Device, { at: number; count: number }[]>();
   private faultsShown = "?";
-  private recordingSince = 0;
+  /** When this page saw each recording of a device begin; the server says which run, also after the page was loaded anew. */
+  private readonly recordingSince = new Map<number, number>();
   constructor(
     private readonly model: Model,
     private readonly connection: () => Connection,
@@ -22,9 +23,15 @@ export class Panel {
     byId("doctor-run").addEventListener("click", () => void this.doctor(true));
     model.on("hello", () => this.roles());
     model.on("servo", () => this.servo());
-    model.on("selected", () => this.servo());
+    model.on("selected", () => {
+      this.servo();
+      this.recordings();
+    });
     model.on("recording", () => this.roles());
-    model.on("status", () => this.clients());
+    model.on("status", () => {
+      this.clients();
+      this.recordings();
+    });
   }
 
   private async ask(op: string): Promise<void> {
@@ -39,17 +46,28 @@ export class Panel {
   private async record(): Promise<void> {
     const device = this.model.current();
     if (!device) return say("warning", "There is no device.");
-    const running = this.recordingSince > 0;
+    const running = !!device.status?.recording;
     const file = byId<HTMLInputElement>("record-name").value.trim() || "knurl.mcap";
     try {
       const answer = await this.connection().request(running ? "stop" : "record", { device: device.info.i, file });
-      this.recordingSince = running ? 0 : performance.now();
       setText(byId("record-path"), `${running ? "Recorded" : "Recording"}: ${String(answer.path ?? file)}`);
-      setText(byId("record"), running ? "Record" : "Stop");
-      byId("record").classList.toggle("on", !running);
+      if (device.status) device.status.recording = running ? null : String(answer.path ?? file);
+      this.recordings();
     } catch (error) {
       say("error", (error as Error).message);
     }
+  }
+  private recordings(): void {
+    for (const { info, status } of this.model.devices.values()) {
+      if (!status?.recording) this.recordingSince.delete(info.i);
+      else if (!this.recordingSince.has(info.i)) this.recordingSince.set(info.i, performance.now());
+    }
+    const device = this.model.current();
+    const since = device && this.recordingSince.get(device.info.i);
+    byId("record").classList.toggle("on", since !== undefined);
+    if (since === undefined) return setText(byId("record"), "Record");
+    setText(byId("record"), `Stop (${((performance.now() - since) / 1000).toFixed(0)} s)`);
+    setText(byId("record-path"), `Recording: ${device?.status?.recording}`);
   }
   private async doctor(run: boolean): Promise<void> {
     const out = byId("doctor-verdict");
@@ -134,7 +152,7 @@ export class Panel {
     setText(byId("flags"), warnings.join(" · "));
     this.faults(device);
     this.indicators(device);
-    if (this.recordingSince > 0) setText(byId("record"), `Stop (${((performance.now() - this.recordingSince) / 1000).toFixed(0)} s)`);
+    this.recordings();
   }
 
   private faults(device: Device | undefined): void {

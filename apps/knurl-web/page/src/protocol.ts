@@ -112,6 +112,12 @@ export interface SceneMessage {
   items: Item[];
   gone: number[][];
 }
+/** In recordings only: what `frame` has of the arm. */
+export interface ArmMessage {
+  op: "arm";
+  device: number;
+  points: Vec[];
+}
 export type Felt = [number, number, number, number, number, number, number, number, number];
 export interface Client {
   row: number;
@@ -133,6 +139,8 @@ export interface Client {
 }
 export interface DeviceStatus {
   i: number;
+  /** Path of the file that is being recorded; null: none. */
+  recording?: string | null;
   rate: number;
   late: number;
   overruns: number;

@@ -2,7 +2,7 @@
 import { faultsOf } from "./faults.ts";
 import { type Recorded, moreColumns, readRecording } from "./mcap.ts";
 import { Device, type Model, frameFromHistory } from "./model.ts";
-import type { DeviceInfo } from "./protocol.ts";
+import type { ArmMessage, DeviceInfo, Message, Servo, Vec } from "./protocol.ts";
 import { byId, say, setText } from "./ui.ts";
 
 const flagNames = ["clamped", "stale", "guardian", "touching", "near_singular", "at_joint_limit"];
@@ -12,6 +12,10 @@ export class Player {
   private playing = false;
   private speed = 1;
   private before = 0;
+  private arm: Vec[] = [];
+  /** Texts of `recorded.scenes` that are shown; those of whole scenes, by number. */
+  private told = 0;
+  private whole: number[] = [];
   constructor(private readonly model: Model) {
     byId<HTMLInputElement>("open-file").addEventListener("change", (event) => {
       const input = event.target as HTMLInputElement;
@@ -47,7 +51,9 @@ export class Player {
   }
   private show(name: string, recorded: Recorded): void {
     const { history, metadata } = recorded;
-    // The device's figures are not in the file, so they are of a live device of the same profile, or of what the hand did.
+    this.whole = [...recorded.scenes.keys()].filter((k) => recorded.scenes[k].text.includes('"full":true'));
+    const said = this.figuresIn(recorded);
+    // Files of before have no figures of the device, so they are of a live one of the same profile, or of what the hand did.
     const like = [...this.model.devices.values()].find((device) => device.info.address === metadata.get("address") || device.info.profile === metadata.get("profile"));
     const low = [Infinity, Infinity, Infinity];
     const high = [-Infinity, -Infinity, -Infinity];
@@ -68,9 +74,12 @@ export class Player {
       peak_force: like?.info.peak_force ?? (Number(metadata.get("limits.peak_force")) > 0 && Number.isFinite(Number(metadata.get("limits.peak_force"))) ? Number(metadata.get("limits.peak_force")) : Math.ceil(1.2 * peak)), peak_torque: like?.info.peak_torque ?? 0.2,
       max_stiffness: like?.info.max_stiffness ?? "inf", damping: 0, lag: 0, renders_torque: false, senses_orientation: like?.info.senses_orientation ?? false, pull: false,
     };
-    const device = new Device(info, 1);
+    const device = new Device(said ? { ...said, i: -1, pull: false } : info, 1);
     Object.assign(device, { history });
     this.recorded = recorded;
+    this.told = 0;
+    this.arm = [];
+    this.model.recordedMeshes = recorded.meshes;
     this.model.recording = device;
     const version = metadata.get("version");
     setText(byId("recording-name"), `${name}${version ? ` · Knurl ${version}` : ""}${metadata.get("cause") ? ` · ${metadata.get("cause")}` : ""} · ${history.held} reports`);
@@ -80,9 +89,33 @@ export class Player {
     this.model.tell("recording");
     this.model.tell("servo");
   }
+  /** What the servo said of the recorded device. */
+  private figuresIn(recorded: Recorded): DeviceInfo | undefined {
+    const first = recorded.scenes.find(({ text }) => text.startsWith('{"op":"servo"'));
+    return first && (JSON.parse(first.text) as Servo).devices.find((device) => device.name === recorded.metadata.get("device"));
+  }
+  /** Shows the scenes as they were at that time: on from where they are, or from the last whole scene before it. */
+  private scenesAt(recorded: Recorded, device: Device, t: number): void {
+    const { scenes } = recorded;
+    if (this.told > 0 && t < scenes[this.told - 1].t) this.told = 0;
+    let from = 0;
+    for (const k of this.whole) if (scenes[k].t <= t) from = k;
+    if (this.told < from) this.told = from;
+    if (this.told === 0) {
+      this.arm = [];
+      this.model.takeScene(device, { op: "scene", device: -1, full: true, claims: [], items: [], gone: [] }, Infinity);
+    }
+    for (; this.told < scenes.length && scenes[this.told].t <= t; this.told++) {
+      const message = JSON.parse(scenes[this.told].text) as Message | ArmMessage;
+      if (message.op === "scene") this.model.takeScene(device, message, Infinity);
+      else if (message.op === "felt") this.model.takeFelt(device, message.items);
+      else if (message.op === "arm") this.arm = message.points;
+    }
+  }
   close(): void {
     this.recorded = null;
     this.model.recording = null;
+    this.model.recordedMeshes = new Map();
     byId("recording-bar").hidden = true;
     this.model.tell("recording");
     this.model.tell("servo");
@@ -119,6 +152,8 @@ export class Player {
     frame.faults = faultsOf(m[at + 13]);
     frame.buttons = m[at + 14];
     frame.flags = flagNames.filter((_, bit) => m[at + 15] & (1 << bit));
+    this.scenesAt(recorded, device, this.model.cursor);
+    frame.arm = this.arm;
     device.frame = frame;
     const scrub = byId<HTMLInputElement>("scrub");
     const value = String(Math.round((10000 * this.model.cursor) / (this.length || 1)));

@@ -253,7 +253,7 @@ export class DeviceView {
         drawn.changed = now;
         moves = true;
       } else drawing.tick?.(where);
-      if (item.params.velocity) {
+      if (item.params.velocity && Number.isFinite(item.since)) {
         const by = moved(item.params, (now - item.since) / 1000);
         if (by) {
           drawing.update(item.params, where);

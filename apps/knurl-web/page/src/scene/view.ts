@@ -108,19 +108,26 @@ export class View {
     if (there && typeof there !== "string") return there;
     if (there === undefined) {
       this.assets.set(key, "asked");
-      void this.load(url, key, smooth);
+      void this.load(device < 0 ? `${claim}/${number}` : null, url, key, smooth);
     }
     return null;
   }
-  private async load(url: string, key: string, smooth: boolean): Promise<void> {
+  /** Null: it is not known yet. */
+  private async bytesOf(recorded: string | null, url: string): Promise<ArrayBuffer | null> {
+    if (recorded !== null) return this.model.recordedMeshes.get(recorded) ?? null;
+    const answer = await fetch(url);
+    if (answer.status === 404) return null;
+    if (!answer.ok) throw new Error(`${answer.status} ${answer.statusText}`);
+    return answer.arrayBuffer();
+  }
+  private async load(recorded: string | null, url: string, key: string, smooth: boolean): Promise<void> {
     try {
-      const answer = await fetch(url);
-      if (answer.status === 404) {
-        window.setTimeout(() => this.assets.delete(key), 1000); // not known yet
+      const bytes = await this.bytesOf(recorded, url);
+      if (bytes === null) {
+        window.setTimeout(() => this.assets.delete(key), 1000);
         return;
       }
-      if (!answer.ok) throw new Error(`${answer.status} ${answer.statusText}`);
-      const { positions, indices } = decodeAsset(await answer.arrayBuffer());
+      const { positions, indices } = decodeAsset(bytes);
       const geometry = new BufferGeometry();
       geometry.setAttribute("position", new BufferAttribute(positions, 3));
       geometry.setIndex(new BufferAttribute(indices, 1));

@@ -5,6 +5,9 @@
 //   /DEVICE/report  every report, as it lies in memory: ros2msg schema, cdr encoding
 //   /DEVICE/measured_cp, measured_cf, measured_cv, measured_js, joy, /tf
 //                   the report in the types of ROS 2 (messages/channels.hpp), 100 times a second
+//   /DEVICE/scene   the scenes as visualization_msgs/MarkerArray, while they change
+//   /knurl/scene    the scenes as knurl-web's page is told of them, JSON (knurl/gateway/scene_notes.hpp)
+//   /knurl/mesh     their meshes, drawn
 //   /knurl/inputs   every input of Servo::step (knurl/servo/input_log.hpp): u16 type, six zero bytes, the record's
 //                   bytes; type 0: records are missing here. Only for `knurl replay`
 //   attachment "asset-DIGEST"  an application's asset (protocol/asset.hpp), by its SHA-256, once each
@@ -49,6 +52,9 @@ class RecordingWriter {
 
     void report(const Report& report);
     void input(const servo::InputRecord& record);
+    /// A message of /DEVICE/scene, /knurl/scene or /knurl/mesh; `read_ns`: of the newest report at that time.
+    enum class Scene { markers, page, mesh };
+    void scene(Scene form, std::int64_t read_ns, std::span<const std::byte> message);
     void gap();
     /// An asset to which the next inputs may refer. `between`: called at times, to continue reading; it must
     /// not flush. False: the disk is full; the asset was dropped and counted.
@@ -74,7 +80,7 @@ class RecordingWriter {
     std::string device_;
     std::uint32_t joints_;
     std::map<messages::Channel, std::uint16_t> channels_;
-    std::uint16_t inputs_ = 0;
+    std::uint16_t inputs_ = 0, page_ = 0, meshes_ = 0;
     std::int64_t view_ = -1;  // when the last pose was written, in its intervals
     std::uint64_t dropped_ = 0;
     std::set<protocol::AssetDigest> assets_, missing_;
