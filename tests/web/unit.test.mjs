@@ -1,5 +1,6 @@
 // The parts of the page that need no browser, bundled as they are for the page and called from node.
 import assert from "node:assert/strict";
+import { spawnSync } from "node:child_process";
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { dirname, resolve } from "node:path";
@@ -199,6 +200,30 @@ test("export as C++ and Python", () => {
   assert.match(python, /plane = knurl\.Plane\(offset=0\.005, update="paper", stiffness=knurl\.INFINITY\)/);
   assert.match(python, /plane\.friction\.dynamic = 0\.3/);
   assert.match(python, /box = knurl\.Box\(side="inside", stiffness=500\.0\)/);
+});
+
+// Every field of every kind with another value than its default, so that the export writes it.
+function everyField() {
+  const other = (field) => {
+    if (field.type === "choice") return field.choices.find((choice) => choice !== field.default);
+    if (field.type === "quaternion") return [0.5, 0.5, 0.5, 0.5];
+    if (field.type === "vector") return [0.1, 0.2, 0.3];
+    if (field.type === "matrix") return Array(field.count === 6 || field.count === 36 ? 36 : 9).fill(0.5);
+    if (field.type === "points") return [[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0]];
+    return field.default === 1 ? 2 : 1;
+  };
+  const items = [...scene.kinds.values()].map((kind, slot) => ({ kind: kind.name, slot, probe: slot % 2, params: Object.fromEntries(kind.fields.map((field) => [field.name, other(field)])) }));
+  return { ...scene, items, probes: [[1, [0, 0, 0.01], 0.002]], assets: [] };
+}
+test("the exported C++ compiles, with every field of every kind", { skip: process.env.KNURL_CXX ? false : "KNURL_CXX and KNURL_INCLUDES name a compiler and Knurl's headers in ctest" }, () => {
+  const all = everyField();
+  assert.ok(all.items.length >= 19);
+  const cpp = toCpp(all);
+  const includes = process.env.KNURL_INCLUDES.split(":").filter(Boolean).map((folder) => `-I${folder}`);
+  const run = spawnSync(process.env.KNURL_CXX, ["-std=c++20", "-Wall", "-Wextra", "-fsyntax-only", ...includes, "-x", "c++", "-"], { input: cpp, encoding: "utf8" });
+  assert.equal(run.status, 0, `${run.stderr}\n${cpp}`);
+  const python = spawnSync("python3", ["-c", "import ast, sys; ast.parse(sys.stdin.read())"], { input: toPython(all), encoding: "utf8" });
+  assert.equal(python.status, 0, python.stderr);
 });
 
 test("faults by bit, each with a remedy", () => {

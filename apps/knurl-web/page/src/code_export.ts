@@ -118,7 +118,7 @@ function cpp(field: Field, value: Value): string {
 export function toCpp(scene: Exported): string {
   const names = namesOf(scene.items).map((name) => (name === "union" ? "union_" : name));
   const out = [
-    "#include <chrono>", "#include <cstdio>", "#include <limits>", "#include <thread>", "", "#include <knurl/client/client.hpp>", "",
+    "#include <chrono>", "#include <cstdio>", "#include <limits>", "#include <thread>", "", "#include <knurl/client/client.hpp>", "#include <knurl/reps/all.hpp>", "",
     "using namespace std::chrono_literals;", "", "int main() try {",
     `    auto client = knurl::Client::connect("knurl:default");`,
     `    auto hand = client.claim(${JSON.stringify(scene.device)});`,
