@@ -27,7 +27,8 @@ constexpr auto whole_every = std::chrono::seconds(10);
 std::string arm_text(std::uint32_t device, std::span<const Vec3> points) {
     std::string text = fmt::format(R"({{"op":"arm","device":{},"points":[)", device);
     for (std::size_t i = 0; i < points.size(); ++i)
-        text += fmt::format("{}[{:.5f},{:.5f},{:.5f}]", i > 0 ? "," : "", points[i].x, points[i].y, points[i].z);
+        text +=
+            fmt::format("{}[{:.5f},{:.5f},{:.5f}]", i > 0 ? "," : "", points[i].x, points[i].y, points[i].z);
     return text + "]}";
 }
 

@@ -75,6 +75,13 @@ void ClaimTable::give_asset(std::uint64_t key, std::uint32_t number, std::unique
     place = {.stage = RowAsset::Stage::there, .held = std::move(kept)};
 }
 
+std::size_t ClaimTable::shown_assets() const noexcept {
+    std::size_t shown = 0;
+    for (const Row& row : rows_)
+        for (const RowAsset& asset : row.assets) shown += asset.held && asset.held->shown;
+    return shown;
+}
+
 const shm::Segment& ClaimTable::asset_memory(std::uint32_t index, std::uint32_t number) {
     const bool there = index < rows_.size() && rows_[index].stage == Stage::held && number >= 1 &&
                        number <= rows_[index].assets.size() &&
@@ -84,6 +91,9 @@ const shm::Segment& ClaimTable::asset_memory(std::uint32_t index, std::uint32_t 
             fmt::format("asset: device \"{}\" has no asset {} of a client in row {}; it may have left",
                         device_.name, number, index));
     HeldAsset& asset = *rows_[index].assets[number - 1].held;
+    if (!asset.shown && shown_assets() >= most_shown_assets)
+        throw RequestRefused(fmt::format("asset: device \"{}\" shows {} assets already, which is all it does",
+                                         device_.name, most_shown_assets));
     try {
         // Whoever maps it, if only for reading, must not have the kernel move it under the servo.
         if (!asset.shown) asset.block->hold_pages();
