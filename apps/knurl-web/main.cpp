@@ -137,9 +137,10 @@ void listen_for_pages(gateway::Server& server, const CommandLine& said, knurl::w
 void listen_for_inverse(gateway::Server& server, const CommandLine& said, knurl::web::Protocols& protocols,
                         Addresses& addresses, bool must) try {
     const Place at = place(said.inverse, "--inverse");
-    const std::uint16_t port = server.listen(at.address, at.port, inverse_site(said, protocols, false));
+    // If the other port is taken, the one that takes commands is not opened.
     const std::uint16_t events =
         server.listen(at.address, said.inverse_events, inverse_site(said, protocols, true));
+    const std::uint16_t port = server.listen(at.address, at.port, inverse_site(said, protocols, false));
     addresses.text += fmt::format("  Inverse Service: {}, events at port {}\n",
                                   url(at.this_host ? "ws" : "wss", at, port), events);
 } catch (const std::runtime_error& error) {

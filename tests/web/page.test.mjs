@@ -82,6 +82,10 @@ test("opens: the device, its hand, its workspace; reports come", () =>
     assert.deepEqual(shown, place);
     assert.equal(await tab.locator("#banner").isHidden(), true);
     assert.match(await tab.locator("#servo").textContent(), /pid \d+/);
+    await tab.waitForFunction(() => window.knurl.counters.ageP50 > 0);
+    const { ageP50, ageP99, ageWithin, rate } = await tab.evaluate(() => window.knurl.counters);
+    console.log(`# a report is ${ageP50.toFixed(1)} ms old when it has been drawn (99 %: ${ageP99.toFixed(1)}), to within ${ageWithin.toFixed(1)} ms, at ${rate.toFixed(0)} frames/s`);
+    assert.ok(ageP50 > 0 && ageP99 >= ageP50 && ageWithin > 0);
   }));
 
 test("a plane appears when a client adds one, and moves when it is moved", { skip: real && !process.env.KNURL_WEB_CLIENT ? "KNURL_WEB_CLIENT is not set" : false }, () =>

@@ -23,6 +23,7 @@ async function load(name) {
   await need("esbuild").build({ entryPoints: [resolve(page, `src/${name}.ts`)], bundle: true, format: "esm", platform: "node", outfile: out, logLevel: "warning" });
   return import(pathToFileURL(out).href);
 }
+const { ServoClock } = await load("clock");
 const { decodeBinary, decodeAsset, num, stateName } = await load("protocol");
 const { History } = await load("history");
 const { buzzOf, buzzAt, buzzSentence, energyInto, fft } = await load("spectrum");
@@ -234,6 +235,19 @@ test("faults by bit, each with a remedy", () => {
   const header = readFileSync(resolve(here, "../../runtime/protocol/include/knurl/protocol/report.hpp"), "utf8");
   const bits = [...header.matchAll(/constexpr std::uint32_t (\w+) = 1u << (\d+)/g)].slice(0, faultNames.length).map(([, name]) => name.replaceAll("_", " "));
   assert.deepEqual(bits, faultNames);
+});
+
+test("the age of what is drawn, by a clock that is 100 s ahead", () => {
+  const clock = new ServoClock();
+  clock.drawn(100, 1);
+  assert.deepEqual(clock.age, { p50: 0, p99: 0, within: 0 }, "nothing is said before the clocks are compared");
+  clock.take(1, 1.2, 101.2); // slow, and off by 100 ms
+  clock.take(2, 2.002, 102.001);
+  clock.take(3, 3.05, 103.05);
+  for (let k = 0; k < 100; k++) clock.drawn(110 + k / 60, 10 + k / 60 + 0.008);
+  clock.drawn(110 + 99 / 60, 20);
+  const { p50, p99, within } = clock.age;
+  assert.ok(Math.abs(p50 - 8) < 1e-3 && Math.abs(p99 - 8) < 1e-3 && Math.abs(within - 1) < 1e-9, JSON.stringify(clock.age));
 });
 
 test("a recording of knurl record", async () => {

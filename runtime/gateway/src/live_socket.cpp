@@ -1,6 +1,7 @@
 #include "live_socket.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <iterator>
 
 #include <unistd.h>
@@ -86,7 +87,7 @@ Json LiveSocket::answer(const std::string& op, const Json& request) {
         {"arm", Role::control, &LiveSocket::arm},       {"disarm", Role::control, &LiveSocket::disarm},
         {"reset", Role::control, &LiveSocket::reset},   {"pull", Role::control, &LiveSocket::pull},
         {"record", Role::control, &LiveSocket::record}, {"stop", Role::control, &LiveSocket::stop},
-        {"doctor", Role::observe, &LiveSocket::doctor},
+        {"doctor", Role::observe, &LiveSocket::doctor}, {"clock", Role::observe, &LiveSocket::clock},
     };
     const auto found =
         std::find_if(std::begin(known), std::end(known), [&](const Request& one) { return one.op == op; });
@@ -164,6 +165,11 @@ Json LiveSocket::doctor(std::size_t, const Json& request) {
     }
     return {{"running", page_.doctor.has_value()},
             {"verdict", page_.verdict.empty() ? Json() : Json::parse(page_.verdict)}};
+}
+
+Json LiveSocket::clock(std::size_t, const Json&) {
+    return {
+        {"t", std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count()}};
 }
 
 std::set<std::uint64_t> LiveSocket::mine(const SeenDevice& seen) const {

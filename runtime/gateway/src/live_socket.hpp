@@ -101,6 +101,7 @@ class LiveSocket final : public SocketHandler {
     Json record(std::size_t device, const Json& request);
     Json stop(std::size_t device, const Json& request);
     Json doctor(std::size_t device, const Json& request);
+    Json clock(std::size_t device, const Json& request);
     Playground& playground(std::size_t device);
     void require(Role role, const std::string& op) const;
     void tell_scenes();

@@ -1,5 +1,6 @@
 // The page: puts its parts together, and runs them once a frame.
 import { Charts } from "./charts.ts";
+import { ServoClock } from "./clock.ts";
 import { Connection } from "./connection.ts";
 import { Model } from "./model.ts";
 import { Panel } from "./panel.ts";
@@ -12,7 +13,7 @@ import { byId, download, say, setText, tabs } from "./ui.ts";
 const model = new Model();
 model.note = (level, text) => say(level, text);
 
-const counters = { frames: 0, messages: 0, reconnects: 0, workP50: 0, workMax: 0, drawP50: 0, rate: 0, items: 0, triangles: 0, calls: 0, renderer: "" };
+const counters = { frames: 0, messages: 0, reconnects: 0, workP50: 0, workMax: 0, drawP50: 0, rate: 0, items: 0, triangles: 0, calls: 0, renderer: "", ageP50: 0, ageP99: 0, ageWithin: 0 };
 
 const where = new URL("./live", location.href);
 where.protocol = where.protocol === "https:" ? "wss:" : "ws:";
@@ -156,6 +157,16 @@ window.addEventListener("drop", (event) => {
 });
 
 // ---- each frame
+const clock = new ServoClock();
+window.setInterval(async () => {
+  const sent = performance.now() / 1000;
+  try {
+    const answer = await connection.request("clock");
+    clock.take(sent, performance.now() / 1000, Number(answer.t));
+  } catch {
+    // Not connected, or slow: the next one.
+  }
+}, 1000);
 const work = new Float32Array(600);
 const drawing = new Float32Array(600);
 const at = new Float64Array(600);
@@ -169,6 +180,8 @@ function frame(now: number): void {
   player.tick(now);
   view.draw(now / 1000);
   const drawn = performance.now();
+  const newest = model.recording ? null : model.current()?.frame;
+  if (newest) clock.drawn(newest.t, drawn / 1000);
   if (now - slow > 125) {
     slow = now;
     panel.slow();
@@ -187,6 +200,8 @@ function frame(now: number): void {
     const oldest = counters.frames > work.length ? at[counters.frames % work.length] : at[0];
     counters.rate = (1000 * (n - 1)) / (now - oldest);
     Object.assign(counters, { messages: connection.messages, reconnects: connection.reconnects });
+    const age = clock.age;
+    Object.assign(counters, { ageP50: age.p50, ageP99: age.p99, ageWithin: age.within });
     const { triangles, calls, by } = view.info;
     Object.assign(counters, { triangles, calls, renderer: by });
   }
