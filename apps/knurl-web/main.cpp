@@ -39,7 +39,7 @@ struct CommandLine {
     std::string certificate, private_key, keys;
 };
 
-std::atomic<bool> wants_token{false};
+std::atomic<bool> wants_token{false}, reads_keys{false};
 
 gateway::Role role_said(const std::string& word) {
     return word == "control"  ? gateway::Role::control
@@ -149,6 +149,16 @@ void listen_for_inverse(gateway::Server& server, const CommandLine& said, knurl:
     addresses.text += fmt::format("  no Inverse Service: {}\n", error.what());
 }
 
+void read_keys_again(gateway::Server& server, const std::string& file) {
+    try {
+        server.read_keys_again();
+        fmt::print("knurl-web: {}: read again\n", file);
+    } catch (const std::exception& error) {
+        fmt::print("knurl-web: {}; the keys stay as they were\n", error.what());
+    }
+    std::fflush(stdout);
+}
+
 int serve(CommandLine said, bool inverse_given) {
     try {
         knurl::protocol::servo_address(said.settings.servo);
@@ -158,6 +168,8 @@ int serve(CommandLine said, bool inverse_given) {
     if (said.listen.empty()) said.listen = {"127.0.0.1:8080"};
     commandline::stop_on_signals();
     std::signal(SIGUSR1, [](int) { wants_token = true; });
+    // Without a file of keys it is what it always is: the terminal was closed.
+    if (!said.keys.empty()) std::signal(SIGHUP, [](int) { reads_keys = true; });
 
     gateway::ServerOptions options;
     options.certificate = said.certificate;
@@ -185,6 +197,7 @@ int serve(CommandLine said, bool inverse_given) {
             fmt::print("knurl-web: {}\n", login());
             std::fflush(stdout);
         }
+        if (reads_keys.exchange(false)) read_keys_again(server, said.keys);
         protocols.tick(now);
     });
     server.run();
@@ -227,7 +240,8 @@ int main(int argc, char** argv) {
                "Certificate chain (PEM), for addresses of other hosts");
     app.option("--tls-key", said.private_key, "Its private key (PEM, mode 0600)");
     app.option("--keys", said.keys,
-               "Who may connect from other hosts: keys as of `knurl-bridge keygen` (mode 0600)");
+               "Who may connect from other hosts: keys as of `knurl-bridge keygen` (mode 0600); read again "
+               "on SIGHUP");
     app.option("--recordings", said.settings.recordings,
                "Folder for recordings that the page makes; none: it makes none")
         .type_name("DIR");

@@ -139,6 +139,53 @@ TEST_F(GatewayTls, SocketsNeedTheKeyEverywhere) {
     EXPECT_EQ(open("Bearer " + text_of(look)), "open");
 }
 
+TEST_F(GatewayTls, AKeyThatWasTakenOutOpensNothingAnyMoreAndItsSocketsAreClosed) {
+    Served served(options, {}, "0.0.0.0");
+    const auto socket_of = [&](const bridge::Key& key) {
+        auto socket = std::make_unique<beast::websocket::stream<Stream>>(connect(served.port));
+        socket->set_option(
+            beast::websocket::stream_base::decorator([&](beast::websocket::request_type& request) {
+                request.set(http::field::authorization, "Bearer " + text_of(key));
+            }));
+        socket->handshake(served.host(), "/open");
+        beast::flat_buffer greeting;
+        socket->read(greeting);
+        return socket;
+    };
+    const auto read_keys_again = [&] {
+        std::string why;
+        served.in_server([&] {
+            try {
+                served.server().read_keys_again();
+            } catch (const std::runtime_error& error) {
+                why = error.what();
+            }
+        });
+        return why;
+    };
+    const auto stays = socket_of(all), goes = socket_of(look);
+    const auto login = ask(served, "/?key=" + text_of(look));
+    const std::string cookie(login[http::field::set_cookie]);
+
+    ::chmod(options.keys.c_str(), 0644);  // a file that cannot be used changes nothing
+    EXPECT_NE(read_keys_again().find("chmod"), std::string::npos);
+    EXPECT_EQ(ask(served, "/", "Bearer " + text_of(look)).body(), "page");
+
+    std::filesystem::remove(options.keys);
+    bridge::add_key(options.keys, all);
+    EXPECT_EQ(read_keys_again(), "");
+    EXPECT_EQ(ask(served, "/", "Bearer " + text_of(look)).result_int(), 401U);
+    EXPECT_EQ(ask(served, "/", {}, cookie.substr(0, cookie.find(';'))).result_int(), 403U);
+    beast::flat_buffer buffer;
+    boost::system::error_code error;
+    goes->read(buffer, error);
+    EXPECT_EQ(error, beast::websocket::error::closed);
+    EXPECT_EQ(goes->reason().reason, "its key is not admitted any more");
+    stays->write(asio::buffer(std::string("still here")));
+    stays->read(buffer);
+    EXPECT_EQ(beast::buffers_to_string(buffer.data()), "still here");
+}
+
 TEST_F(GatewayTls, SpeaksNothingElse) {
     Served served(options, {}, "0.0.0.0");
     Caller plain(served.port);

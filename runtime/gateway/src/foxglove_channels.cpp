@@ -164,12 +164,13 @@ void FoxgloveSource::Impl::tick(Time now) {
         if (channel.subscribers > 0) make(channel, now);
 }
 
-std::optional<FoxgloveMessage> FoxgloveSource::Impl::changes(const FoxgloveChannel& channel, FoxgloveScene& scene) const {
+std::optional<FoxgloveMessage> FoxgloveSource::Impl::changes(const FoxgloveChannel& channel,
+                                                             FoxgloveScene& scene) const {
     const SeenDevice& device = now_.devices[channel.device];
     const std::vector<messages::Marker> markers = scene.changes(device, *ticked_);
     if (markers.empty()) return std::nullopt;
-    return FoxgloveMessage{stamp(device),
-                   messages::markers_message(messages::base_frame(name(device)), stamp(device), markers)};
+    return FoxgloveMessage{
+        stamp(device), messages::markers_message(messages::base_frame(name(device)), stamp(device), markers)};
 }
 
 void FoxgloveSource::Impl::unsubscribe(std::uint32_t channel) {

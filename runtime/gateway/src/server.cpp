@@ -443,6 +443,10 @@ std::string Server::new_token(Role role) {
     return core_->sessions.new_token(role, Clock::now());
 }
 
+void Server::read_keys_again() {
+    core_->sessions.admit(keys_from(core_->options.keys));
+}
+
 std::size_t Server::sockets() const {
     return static_cast<std::size_t>(std::count_if(core_->peers.begin(), core_->peers.end(),
                                                   [](const auto& each) { return each.second->is_socket(); }));

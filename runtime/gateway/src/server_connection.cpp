@@ -127,6 +127,7 @@ class Channel final : public Peer, public Socket, public std::enable_shared_from
     bool is_socket() const override { return open_; }
     void tick(Clock::time_point now) override {
         core_.sessions.touch(identity_.session, now);
+        if (!core_.sessions.stands(identity_)) close(1008, "its key is not admitted any more");
         if (handler_ && open_ && !closing_) guarded([&] { handler_->tick(now); });
     }
 

@@ -66,16 +66,19 @@ std::optional<std::string> Sessions::login_by_token(std::string_view token, Time
 std::optional<std::string> Sessions::login_by_key(std::string_view key, Time now) {
     const bridge::Key* found = key_of(key);
     if (!found) return {};
-    return begin(role_of(found->role), now);
+    return begin(role_of(found->role), now, *found);
 }
 
-std::string Sessions::begin(Role role, Time now) {
+std::string Sessions::begin(Role role, Time now, std::optional<bridge::Key> key) {
     std::erase_if(sessions_, [&](const Session& each) { return now - each.used > idle_; });
     if (sessions_.size() >= most_)
         sessions_.erase(std::min_element(sessions_.begin(), sessions_.end(),
                                          [](const Session& a, const Session& b) { return a.used < b.used; }));
-    sessions_.push_back(
-        {.secret = random_secret<16>(), .role = role, .name = std::to_string(++begun_), .used = now});
+    sessions_.push_back({.secret = random_secret<16>(),
+                         .role = role,
+                         .name = std::to_string(++begun_),
+                         .used = now,
+                         .key = std::move(key)});
     return secret_text(sessions_.back().secret);
 }
 
@@ -85,7 +88,7 @@ std::optional<Identity> Sessions::by_cookie(std::string_view secret, Time now) {
         if (same_secret(secret, secret_text(each.secret))) found = &each;
     if (!found || now - found->used > idle_) return {};
     found->used = now;
-    return Identity{.role = found->role, .session = found->name};
+    return Identity{.role = found->role, .session = found->name, .key = found->key};
 }
 
 const bridge::Key* Sessions::key_of(std::string_view key) const {
@@ -104,7 +107,18 @@ const bridge::Key* Sessions::key_of(std::string_view key) const {
 std::optional<Identity> Sessions::by_key(std::string_view key) const {
     const bridge::Key* found = key_of(key);
     if (!found) return {};
-    return Identity{.role = role_of(found->role), .session = "key " + found->name};
+    return Identity{.role = role_of(found->role), .session = "key " + found->name, .key = *found};
+}
+
+bool Sessions::holds(const bridge::Key& key) const {
+    return std::any_of(keys_.begin(), keys_.end(), [&](const bridge::Key& each) {
+        return each.name == key.name && each.role == key.role && each.secret == key.secret;
+    });
+}
+
+void Sessions::admit(std::vector<bridge::Key> keys) {
+    keys_ = std::move(keys);
+    std::erase_if(sessions_, [this](const Session& each) { return each.key && !holds(*each.key); });
 }
 
 void Sessions::touch(std::string_view session, Time now) {

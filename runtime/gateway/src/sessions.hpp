@@ -20,6 +20,7 @@ namespace knurl::gateway {
 struct Identity {
     Role role = Role::observe;
     std::string session;
+    std::optional<bridge::Key> key{};  // of who has shown one
 };
 
 class Sessions {
@@ -38,6 +39,10 @@ class Sessions {
     std::optional<Identity> by_cookie(std::string_view secret, Time now);
     /// Whose key it is (64 hexadecimal digits).
     std::optional<Identity> by_key(std::string_view key) const;
+    /// Other keys from now on. Sessions of keys that are not among them end.
+    void admit(std::vector<bridge::Key> keys);
+    /// False: it is by a key that is admitted no more.
+    bool stands(const Identity& identity) const { return !identity.key || holds(*identity.key); }
     /// A session is in use: it has a socket.
     void touch(std::string_view session, Time now);
     std::size_t count() const { return sessions_.size(); }
@@ -49,8 +54,10 @@ class Sessions {
         Role role;
         std::string name;
         Time used;
+        std::optional<bridge::Key> key;
     };
-    std::string begin(Role role, Time now);
+    std::string begin(Role role, Time now, std::optional<bridge::Key> key = {});
+    bool holds(const bridge::Key& key) const;
     const bridge::Key* key_of(std::string_view key) const;
 
     std::size_t most_;

@@ -177,6 +177,9 @@ class Server {
 
     /// A token that GET /?token= takes once, for a session of this role. The one before is void.
     std::string new_token(Role role = Role::control);
+    /// Reads the file of keys again. Sessions and sockets of keys that are not in it any more end. Throws
+    /// std::runtime_error, one line: it cannot be used, and the keys stay as they were.
+    void read_keys_again();
     /// WebSockets that are open.
     std::size_t sockets() const;
 
