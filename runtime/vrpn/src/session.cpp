@@ -159,8 +159,8 @@ void Session::Impl::button_states(std::size_t sender) {
     send(Type::button_states, sender, Service::reliable);
 }
 
-/// A line to the client, and what its force device is told. The same line comes again after ten times `repeat`, and ten
-/// lines within a second are enough.
+/// A line to the client, and what its force device is told. The same error comes again after ten times `repeat`, a warning
+/// never; and ten lines within a second are enough.
 void Session::Impl::tell(std::size_t sender, Severity severity, const std::string& line, Time now,
                          std::optional<ForceError> error) {
     if (now - counting >= options.repeat) {
@@ -336,7 +336,7 @@ bool Session::Impl::due(Link& link, std::int64_t read_ns) const {
     constexpr std::int64_t jitter = 200'000;  // ns: the servo's own, and not what a limit is for
     if (read_ns + jitter < link.due) return false;
     const auto interval = static_cast<std::int64_t>(1e9 / rate);
-    link.due = std::max(link.due, read_ns - interval) + interval;
+    link.due = (read_ns - link.due > interval ? read_ns : link.due) + interval;
     return true;
 }
 
