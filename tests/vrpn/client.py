@@ -89,9 +89,10 @@ class Client:
         if cookie != COOKIE:
             return
         assert self._exactly(24)[:14] == b"vrpn: ver. 07."
+        described = b""
         if self.udp_in:
-            self.tcp.sendall(message(self.udp_in.getsockname()[1], -3, b"10.1.2.3\0"))  # an address that is nobody's
-        described = message(5, -1, name_payload(sender))
+            described += message(self.udp_in.getsockname()[1], -3, b"10.1.2.3\0")  # an address that is nobody's
+        described += message(5, -1, name_payload(sender))
         self.types = {}
         for number, (short, name) in enumerate(TYPES.items(), 40):
             self.types[short] = number
@@ -152,7 +153,8 @@ class Client:
         return found
 
     def _take(self, head, payload):
-        _, _, _, sender, kind, _ = head
+        _, seconds, microseconds, sender, kind, _ = head
+        self.stamp = seconds + 1e-6 * microseconds  # of the newest message
         if kind in (-1, -2):
             count = struct.unpack_from(">i", payload)[0]
             table = self.their_senders if kind == -1 else self.their_types

@@ -103,7 +103,8 @@ class FakeAround final : public Surroundings {
         if (service == Service::quick && messages.size() > most_datagram) ++too_long;
         Message message;
         while (!messages.empty()) {
-            if (split(messages, message) != Split::whole) throw std::runtime_error("what is sent is not whole");
+            if (split(messages, message) != Split::whole)
+                throw std::runtime_error("what is sent is not whole");
             got.push_back({service, message.header, {message.payload.begin(), message.payload.end()}});
         }
     }
@@ -113,7 +114,9 @@ class FakeAround final : public Surroundings {
         ++holds;
         return refuse_hold;
     }
-    std::unique_ptr<gateway::PeerCommands> make_hand(std::size_t) override { return std::make_unique<FakeHand>(told); }
+    std::unique_ptr<gateway::PeerCommands> make_hand(std::size_t) override {
+        return std::make_unique<FakeHand>(told);
+    }
     std::int64_t wall_clock() const override { return wall; }
     void log(const std::string& line) override { lines.push_back(line); }
 
@@ -149,7 +152,8 @@ struct FakeClient {
         around.got.clear();
     }
     std::string system(std::int32_t type, std::int32_t id, std::span<const std::byte> payload) {
-        return session.receive({.header = {.sender = id, .type = type}, .payload = payload}, Service::reliable, now);
+        return session.receive({.header = {.sender = id, .type = type}, .payload = payload},
+                               Service::reliable, now);
     }
     std::string say(Type type, const PayloadWriter& out = {}, Service service = Service::reliable) {
         const Header header{.seconds = static_cast<std::int32_t>(stamp / 1'000'000),

@@ -69,12 +69,14 @@ TEST(VrpnSession, a_report_is_pose_velocity_force_and_contact_point_in_the_clien
     for (const Got& each : got) {
         EXPECT_EQ(each.service, Service::quick);
         EXPECT_EQ(each.header.sender, 1);
-        EXPECT_EQ(each.header.microseconds, 123451) << "when it was read, 5 us before the wall clock's 123456 us";
+        EXPECT_EQ(each.header.microseconds, 123451)
+            << "when it was read, 5 us before the wall clock's 123456 us";
         bytes += header_bytes + each.payload.size();
     }
     EXPECT_EQ(bytes, 88u + 96 + 48 + 80);
     EXPECT_EQ(got[0].payload.size(), 64u);
-    for (std::size_t i = 0; i < 3; ++i) EXPECT_DOUBLE_EQ(number_at(got[0], 8 + 8 * i), 0.1 * static_cast<double>(i + 1));
+    for (std::size_t i = 0; i < 3; ++i)
+        EXPECT_DOUBLE_EQ(number_at(got[0], 8 + 8 * i), 0.1 * static_cast<double>(i + 1));
     EXPECT_NEAR(number_at(got[0], 8 + 8 * 4), std::sqrt(0.5), 1e-15) << "about y, which points up: x y z w";
     EXPECT_NEAR(number_at(got[0], 8 + 8 * 6), std::sqrt(0.5), 1e-15);
     for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(number_at(got[1], 8 + 8 * i), static_cast<double>(i + 1));
@@ -85,7 +87,8 @@ TEST(VrpnSession, a_report_is_pose_velocity_force_and_contact_point_in_the_clien
 TEST(VrpnSession, reports_that_came_together_fit_into_a_datagram) {
     FakeClient client;
     std::vector<HandReport> reports(60);
-    for (std::size_t i = 0; i < reports.size(); ++i) reports[i].read_ns = static_cast<std::int64_t>(i + 1) * 1'000'000;
+    for (std::size_t i = 0; i < reports.size(); ++i)
+        reports[i].read_ns = static_cast<std::int64_t>(i + 1) * 1'000'000;
     client.session.report(0, reports, client.now);
     EXPECT_EQ(client.around.too_long, 0);
     EXPECT_EQ(client.around.take(Type::pos_quat).size(), 4u) << "the newest";
@@ -165,7 +168,8 @@ TEST(VrpnSession, a_plane_is_a_plane_in_the_devices_frame) {
     EXPECT_EQ(client.around.told.get<Plane>("plane 3").normal, (Vec3{0, 1, 0})) << "right";
     client.plane({0, 0, 0, 0, 0.25f, 0, 0, 0}, 3);
     EXPECT_TRUE(client.around.told.items.empty()) << "all zero stops it";
-    EXPECT_EQ(client.around.told.calls, (std::vector<std::string>{"add plane 3", "set plane 3", "remove plane 3"}));
+    EXPECT_EQ(client.around.told.calls,
+              (std::vector<std::string>{"add plane 3", "set plane 3", "remove plane 3"}));
 }
 
 TEST(VrpnSession, a_stiffness_above_one_is_the_largest) {
@@ -244,7 +248,8 @@ void tetrahedron(FakeClient& client, std::int32_t object = 0) {
         PayloadWriter out;
         out.put(object).put(i).put(corners[i][0]).put(corners[i][1]).put(corners[i][2]);
         client.say(Type::set_vertex, out);
-        client.numbers(Type::set_triangle, {object, i, triangles[i][0], triangles[i][1], triangles[i][2], -1, -1, -1});
+        client.numbers(Type::set_triangle,
+                       {object, i, triangles[i][0], triangles[i][1], triangles[i][2], -1, -1, -1});
     }
     client.floats(Type::update_trimesh, {0.5f, 0.001f, 0.4f, 0.2f}, object);
 }
@@ -318,7 +323,8 @@ TEST(VrpnSession, a_triangle_without_its_vertex_leaves_the_mesh_as_it_was) {
     client.around.told.calls.clear();
     client.numbers(Type::set_triangle, {0, 9, 0, 1, 77, -1, -1, -1});
     client.floats(Type::update_trimesh, {0.5f, 0, 0, 0}, 0);
-    EXPECT_NE(client.text().find("triangle 9 of object 0 names vertex 77, which was not set"), std::string::npos);
+    EXPECT_NE(client.text().find("triangle 9 of object 0 names vertex 77, which was not set"),
+              std::string::npos);
     EXPECT_TRUE(client.around.told.calls.empty());
 }
 
@@ -343,18 +349,19 @@ TEST_P(VrpnRefusals, are_one_line_an_error_and_no_force) {
     EXPECT_EQ(word_at(got[1], 0), 0) << "Force_Error: range";
 }
 
-INSTANTIATE_TEST_SUITE_P(Planes, VrpnRefusals,
-                         ::testing::Values(Refused{{0, NAN, 0, 0, 1, 0, 0, 0}, 0, 10, "the plane has the value nan"},
-                                           Refused{{0, INFINITY, 0, 0, 1, 0, 0, 0}, 0, 10, "the value inf"},
-                                           Refused{{0, 0, 0, 1, 1, 0, 0, 0}, 0, 10, "has no direction"},
-                                           Refused{{0, 1, 0, 0, -1, 0, 0, 0}, 0, 10, "kspring is -1"},
-                                           Refused{{0, 1, 0, 0, NAN, 0, 0, 0}, 0, 10, "kspring is nan"},
-                                           Refused{{0, 1, 0, 0, 1, -1, 0, 0}, 0, 10, "kdamp is -1"},
-                                           Refused{{0, 1, 0, 0, 1, 0, -1, 0}, 0, 10, "dynamic friction is -1"},
-                                           Refused{{0, 1, 0, 0, 1, 0, 0, 101}, 0, 10, "static friction is 101"},
-                                           Refused{{0, 1, 0, 0, 1, 0, 0, 0}, 16, 10, "plane 16 is none"},
-                                           Refused{{0, 1, 0, 0, 1, 0, 0, 0}, -1, 10, "plane -1 is none"},
-                                           Refused{{0, 1, 0, 0, 1, 0, 0, 0}, 0, -1, "recovery is -1"}));
+INSTANTIATE_TEST_SUITE_P(
+    Planes, VrpnRefusals,
+    ::testing::Values(Refused{{0, NAN, 0, 0, 1, 0, 0, 0}, 0, 10, "the plane has the value nan"},
+                      Refused{{0, INFINITY, 0, 0, 1, 0, 0, 0}, 0, 10, "the value inf"},
+                      Refused{{0, 0, 0, 1, 1, 0, 0, 0}, 0, 10, "has no direction"},
+                      Refused{{0, 1, 0, 0, -1, 0, 0, 0}, 0, 10, "kspring is -1"},
+                      Refused{{0, 1, 0, 0, NAN, 0, 0, 0}, 0, 10, "kspring is nan"},
+                      Refused{{0, 1, 0, 0, 1, -1, 0, 0}, 0, 10, "kdamp is -1"},
+                      Refused{{0, 1, 0, 0, 1, 0, -1, 0}, 0, 10, "dynamic friction is -1"},
+                      Refused{{0, 1, 0, 0, 1, 0, 0, 101}, 0, 10, "static friction is 101"},
+                      Refused{{0, 1, 0, 0, 1, 0, 0, 0}, 16, 10, "plane 16 is none"},
+                      Refused{{0, 1, 0, 0, 1, 0, 0, 0}, -1, 10, "plane -1 is none"},
+                      Refused{{0, 1, 0, 0, 1, 0, 0, 0}, 0, -1, "recovery is -1"}));
 
 TEST(VrpnSession, a_payload_of_a_wrong_length_is_refused) {
     FakeClient client;
@@ -426,7 +433,8 @@ TEST(VrpnSession, ids_and_names_are_bounded_and_a_liar_is_dropped) {
         EXPECT_NE(client.system(system_type::type, id, name.bytes()), "") << id;
     PayloadWriter liar;
     liar.put(std::int32_t{0x7fffffff}).put(std::int32_t{0});
-    EXPECT_EQ(client.system(system_type::sender, 5, liar.bytes()), "the name of its sender 5 has a wrong length");
+    EXPECT_EQ(client.system(system_type::sender, 5, liar.bytes()),
+              "the name of its sender 5 has a wrong length");
 }
 
 TEST(VrpnSession, a_sender_that_is_not_there_is_said_with_those_that_are) {

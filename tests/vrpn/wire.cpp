@@ -25,13 +25,14 @@ std::span<const std::byte> bytes_of(const std::string& text) {
 /// A button that goes down: sender 3, type 13, at 1 s and 2 us, the fifth message.
 const std::vector<std::byte> button =
     bytes_of(std::vector<int>{0, 0, 0, 32, 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0, 3, 0, 0, 0, 13, 0, 0, 0, 4,  //
-                              0, 0, 0, 1, 0, 0, 0, 1});
+                              0, 0, 0, 1,  0, 0, 0, 1});
 
 TEST(VrpnWire, a_message_is_written_as_the_protocol_has_it) {
     PayloadWriter payload;
     payload::button_change(payload, 1, true);
     std::vector<std::byte> written;
-    append(written, {.seconds = 1, .microseconds = 2, .sender = 3, .type = 13, .sequence = 4}, payload.bytes());
+    append(written, {.seconds = 1, .microseconds = 2, .sender = 3, .type = 13, .sequence = 4},
+           payload.bytes());
     EXPECT_EQ(written, button);
 }
 
@@ -102,8 +103,8 @@ TEST(VrpnWire, a_request_names_a_port_above_1023) {
     const std::string request("127.0.0.1 55311\0", 16);
     EXPECT_EQ(requested_port(bytes_of(request)), 55311);
     EXPECT_EQ(requested_port(bytes_of(std::string("127.0.0.1 55311"))), 55311) << "without the zero";
-    for (const std::string bad : {"", "127.0.0.1", "127.0.0.1 ", "127.0.0.1 80", "127.0.0.1 65536", "127.0.0.1 -1",
-                                  "127.0.0.1 99999999999", " 5000", "x 1e4"})
+    for (const std::string bad : {"", "127.0.0.1", "127.0.0.1 ", "127.0.0.1 80", "127.0.0.1 65536",
+                                  "127.0.0.1 -1", "127.0.0.1 99999999999", " 5000", "x 1e4"})
         EXPECT_EQ(requested_port(bytes_of(bad)), std::nullopt) << bad;
 }
 

@@ -372,8 +372,8 @@ void Session::Impl::buttons(std::size_t sender, std::span<const HandReport> repo
 
 void Session::report(std::size_t sender, std::span<const HandReport> reports, Time now) {
     Impl& s = *impl_;
-    if (reports.empty()) return;
     Impl::Link& link = s.links[sender];
+    if (reports.empty() || !link.asked) return;
     const std::int64_t to_wall =
         s.around.wall_clock() -
         std::chrono::duration_cast<std::chrono::nanoseconds>(now.time_since_epoch()).count();
