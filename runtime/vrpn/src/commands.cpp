@@ -25,6 +25,10 @@ Vec3 along(const Vec3& normal) {
     return to_plain(to_eigen(normal).unitOrthogonal());
 }
 
+bool has_direction(const Vec3& v) {
+    return to_eigen(v).norm() >= 1e-6;
+}
+
 std::string refused_material(const PlaneMessage& m) {
     std::string refused = refuse("kspring", m.stiffness, 0, 1e9);
     if (refused.empty()) refused = refuse("kdamp", m.damping, 0, 1e9);
@@ -94,7 +98,7 @@ Outcome Commands::plane(std::span<const std::byte> payload, double max_stiffness
     }
     std::string refused = refuse_all("the plane", m->plane, farthest);
     if (refused.empty()) refused = refused_material(*m);
-    if (refused.empty() && m->plane[0] == 0 && m->plane[1] == 0 && m->plane[2] == 0)
+    if (refused.empty() && !has_direction(vec_of(m->plane.data())))
         refused = "its normal a, b, c has no direction";
     if (!refused.empty()) return {.refused = fmt::format("plane {}: {}", m->index, refused)};
 
@@ -209,7 +213,7 @@ Outcome Commands::constraint(Type type, std::span<const std::byte> payload) {
     if (!refused.empty()) return {.refused = refused};
     const bool direction = type == Type::constraint_line_direction || type == Type::constraint_plane_normal;
     const Vec3 value = vec_of(values->data());
-    if (direction && value == Vec3{}) return {.refused = "the constraint's direction is 0, 0, 0"};
+    if (direction && !has_direction(value)) return {.refused = "the constraint's direction is 0, 0, 0"};
     constraint_at_[static_cast<std::size_t>(type) - static_cast<std::size_t>(Type::constraint_point)] = value;
     return {.refused = hold()};
 }
