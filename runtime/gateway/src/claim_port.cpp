@@ -1,8 +1,21 @@
 #include "claim_port.hpp"
 
-#include <algorithm>
+#include <cstddef>
+#include <cstring>
+
+#include <knurl/reps/shape.hpp>
 
 namespace knurl::gateway {
+
+namespace {
+
+std::vector<std::byte> with_asset(std::vector<std::byte> shape, std::uint32_t asset) {
+    if (shape.size() == sizeof(Shape))
+        std::memcpy(shape.data() + offsetof(Shape, asset), &asset, sizeof asset);
+    return shape;
+}
+
+}  // namespace
 
 void ClaimPort::open() {
     // Hints are for who writes a program; the peer's forgetting is what this part is for.
@@ -16,6 +29,8 @@ void ClaimPort::close() noexcept {
     force_.reset();
     spring_.reset();
     items_.clear();
+    meshes_.clear();
+    assets_.clear();
     claim_.reset();
     client_.reset();
 }
@@ -63,23 +78,69 @@ void ClaimPort::change(const ItemChange& change) {
     const auto found = items_.find(change.name);
     switch (change.what) {
         case ItemChange::What::add:
-            if (found != items_.end()) {
-                AnyHandle old = found->second;
-                items_.erase(found);
-                old.remove();
-            }
-            items_.emplace(change.name, claim_->add_bytes(change.kind, change.params, change.options));
+            meshes_.erase(change.name);
+            if (!change.mesh) return place(change);
+            meshes_.insert_or_assign(
+                change.name, Arriving{claim_->begin_sending(Triangles{.vertices = change.mesh->vertices,
+                                                                      .triangles = change.mesh->triangles}),
+                                      change});
             break;
         case ItemChange::What::set:
-            if (found != items_.end()) found->second.set_bytes(change.params);
+            if (const auto mesh = meshes_.find(change.name); mesh != meshes_.end())
+                mesh->second.change.params = change.params;
+            if (found == items_.end()) break;
+            if (const auto asset = assets_.find(change.name); asset != assets_.end())
+                found->second.set_bytes(with_asset(change.params, asset->second));
+            else
+                found->second.set_bytes(change.params);
             break;
         case ItemChange::What::remove:
-            if (found == items_.end()) break;
-            AnyHandle old = found->second;
-            items_.erase(found);
-            old.remove();
+            meshes_.erase(change.name);
+            take_away(change.name);
             break;
     }
+}
+
+void ClaimPort::place(const ItemChange& change) {
+    take_away(change.name);
+    items_.emplace(change.name, claim_->add_bytes(change.kind, change.params, change.options));
+}
+
+void ClaimPort::take_away(const std::string& name) {
+    const auto found = items_.find(name);
+    if (found == items_.end()) return;
+    AnyHandle old = found->second;
+    items_.erase(found);
+    old.remove();
+    const auto asset = assets_.find(name);
+    if (asset == assets_.end()) return;
+    const std::uint32_t number = asset->second;
+    assets_.erase(asset);
+    claim_->forget(number);
+}
+
+bool ClaimPort::progress() {
+    bool placed = false;
+    for (auto it = meshes_.begin(); it != meshes_.end();) {
+        std::optional<SentShape> sent;
+        try {
+            sent = it->second.sending.done();
+        } catch (const Error&) {
+            meshes_.erase(it);
+            throw;
+        }
+        if (!sent) {
+            ++it;
+            continue;
+        }
+        ItemChange change = std::move(it->second.change);
+        it = meshes_.erase(it);
+        change.params = with_asset(change.params, sent->asset);
+        place(change);
+        assets_[change.name] = sent->asset;
+        placed = true;
+    }
+    return placed;
 }
 
 void ClaimPort::commit() {

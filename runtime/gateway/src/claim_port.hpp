@@ -25,16 +25,29 @@ class ClaimPort final : public PeerPort {
     void pull(const Vec3& from, const Vec3& to, double duration) override;
     void let_go() override;
     void change(const ItemChange& change) override;
+    bool busy() const override { return !meshes_.empty(); }
+    bool progress() override;
     void commit() override;
     std::map<std::string, PeerFeedback> feedback() override;
 
   private:
+    /// A mesh on its way, and the shape that it will be.
+    struct Arriving {
+        Sending sending;
+        ItemChange change;
+    };
+
+    void place(const ItemChange& change);
+    void take_away(const std::string& name);
+
     const PeerOptions& options_;
     std::optional<Client> client_;
     std::optional<Claim> claim_;
     std::optional<Handle<ConstantForce>> force_;
     std::optional<Handle<Spring>> spring_;
     std::map<std::string, AnyHandle> items_;
+    std::map<std::string, std::uint32_t> assets_;  // of what is a mesh
+    std::map<std::string, Arriving> meshes_;
 };
 
 }  // namespace knurl::gateway

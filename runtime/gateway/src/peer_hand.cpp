@@ -11,6 +11,7 @@
 
 #include <knurl/client/error.hpp>
 #include <knurl/gateway/peer_hand.hpp>
+#include <knurl/reps/all.hpp>
 
 #include "claim_port.hpp"
 
@@ -63,6 +64,19 @@ struct PeerHand::Impl {
     Orders message;  // not complete yet
     std::set<std::string> names;
     std::thread thread;
+
+    /// Empty, or why there are too many.
+    std::string add(ItemChange change) {
+        if (!names.contains(change.name) && names.size() >= most_representations)
+            return fmt::format(
+                "there are {} representations already, the most that a connection may have; remove one first",
+                most_representations);
+        if (message.changes.size() >= most_changes)
+            return fmt::format("more than {} changes in one message; send them in several", most_changes);
+        names.insert(change.name);
+        message.changes.push_back(std::move(change));
+        return {};
+    }
 
     void run() {
         ClaimPort port(options);
@@ -157,16 +171,18 @@ std::string PeerHand::pull(const Vec3& target, std::string_view field) {
 
 std::string PeerHand::add(const std::string& name, Kind kind, const std::vector<std::byte>& params,
                           const AddOptions& options) {
-    if (!impl_->names.contains(name) && impl_->names.size() >= most_representations)
-        return fmt::format(
-            "there are {} representations already, the most that a connection may have; remove one first",
-            most_representations);
-    if (impl_->message.changes.size() >= most_changes)
-        return fmt::format("more than {} changes in one message; send them in several", most_changes);
-    impl_->names.insert(name);
-    impl_->message.changes.push_back(
+    return impl_->add(
         {.what = ItemChange::What::add, .name = name, .kind = kind, .params = params, .options = options});
-    return {};
+}
+
+std::string PeerHand::mesh(const std::string& name, std::shared_ptr<const PeerMesh> mesh,
+                           const std::vector<std::byte>& shape) {
+    return impl_->add({.what = ItemChange::What::add,
+                       .name = name,
+                       .kind = kind_of<Shape>,
+                       .params = shape,
+                       .options = {},
+                       .mesh = std::move(mesh)});
 }
 
 std::string PeerHand::set(const std::string& name, const std::vector<std::byte>& params) {

@@ -153,6 +153,7 @@ void PeerLife::apply(bool alive) {
             changed = true;
             port_.change(change);
         }
+        if (port_.progress()) changed = true;
         // A force that has lapsed goes to zero over the fade, and stays as a representation of nothing: the next one
         // begins without an answer of the servo.
         if (push_.value && pushed_ != push_.value) {
@@ -217,6 +218,7 @@ std::optional<TimePoint> PeerLife::next(TimePoint now) const {
         return soonest;
     }
     // Whatever is to be looked at again: the servo that is away, a fault, a hand that was too fast to arm.
+    if (port_.busy()) at(now + options_.look_at_mesh);
     if (!connected_) at(now + options_.retry / 10);
     if (want() && !status_.armed && options_.may_arm) at(std::max(try_arm_, now + options_.retry / 10));
     if (!want()) at(heard_ + options_.release_after);

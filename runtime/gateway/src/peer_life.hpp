@@ -5,6 +5,7 @@
 #include <chrono>
 #include <deque>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -33,6 +34,7 @@ struct ItemChange {
     Kind kind = 0;
     std::vector<std::byte> params;
     AddOptions options;
+    std::shared_ptr<const PeerMesh> mesh{};  // of an `add`: a Shape is made of it
 };
 
 /// What the peer has said since it was taken last.
@@ -67,6 +69,10 @@ class PeerPort {
     virtual void pull(const Vec3& from, const Vec3& to, double duration) = 0;
     virtual void let_go() = 0;
     virtual void change(const ItemChange& change) = 0;
+    /// Meshes are on their way to the servo: come again soon.
+    virtual bool busy() const { return false; }
+    /// Places those that have arrived; true: there were some.
+    virtual bool progress() { return false; }
     virtual void commit() = 0;
     virtual std::map<std::string, PeerFeedback> feedback() = 0;
 };

@@ -16,6 +16,7 @@
 /// No call here waits for a servo: a thread of its own, which begins with the claim, carries the newest commands to it
 /// (arm() alone may wait a second). All calls come from one thread.
 
+#include <array>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -50,6 +51,8 @@ struct PeerOptions {
     std::chrono::nanoseconds release_after = std::chrono::seconds(5);
     /// Time between two tries to claim or to arm.
     std::chrono::nanoseconds retry = std::chrono::seconds(1);
+    /// Time between two looks at a mesh that is on its way to the servo.
+    std::chrono::nanoseconds look_at_mesh = std::chrono::milliseconds(2);
     /// Speed with which a target of pull() moves to a new place (m/s).
     double target_speed = 0.25;
     /// Largest force that is believed (N): more is a mistake, and is refused. What is less the servo limits to what the
@@ -104,6 +107,14 @@ struct PeerStatus {
     std::map<std::string, PeerFeedback> representations{};
 };
 
+/// A mesh of a peer's: it is sent once, and is then a Shape.
+struct PeerMesh {
+    /// The vertices (m), in the mesh's own frame, whose axes are those of the device.
+    std::vector<std::array<double, 3>> vertices;
+    /// Three vertices each, counter-clockwise as seen from free space.
+    std::vector<std::array<std::uint32_t, 3>> triangles;
+};
+
 /// What a peer may command, as a protocol sees it: a PeerHand, or what a test puts in its place. All vectors are in the
 /// device's frame. What returns text returns why it is refused, in one line; empty: it is not.
 class PeerCommands {
@@ -122,6 +133,12 @@ class PeerCommands {
     /// checked.
     virtual std::string add(const std::string& name, Kind kind, const std::vector<std::byte>& params,
                             const AddOptions& options = {}) = 0;
+    /// A mesh under a name of the peer's, as a Shape whose `asset` is left 0. What had that name stays until the servo has
+    /// made its form of the mesh; a mesh that it refuses is said. set() moves it.
+    virtual std::string mesh(const std::string& name, std::shared_ptr<const PeerMesh>,
+                             const std::vector<std::byte>&) {
+        return "'" + name + "' is a mesh, and meshes are not taken here";
+    }
     /// New parameters for one that was added.
     virtual std::string set(const std::string& name, const std::vector<std::byte>& params) = 0;
     /// It fades over its recovery.
@@ -155,6 +172,8 @@ class PeerHand final : public PeerCommands {
     std::string pull(const Vec3& target, std::string_view field) override;
     std::string add(const std::string& name, Kind kind, const std::vector<std::byte>& params,
                     const AddOptions& options = {}) override;
+    std::string mesh(const std::string& name, std::shared_ptr<const PeerMesh> mesh,
+                     const std::vector<std::byte>& shape) override;
     std::string set(const std::string& name, const std::vector<std::byte>& params) override;
     std::string remove(const std::string& name) override;
     void clear() override;
