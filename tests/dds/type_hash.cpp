@@ -69,6 +69,8 @@ TEST(DdsKinds, a_plane_is_read_as_the_client_states_it) {
     EXPECT_EQ(plane.offset, 0.01);
     EXPECT_EQ(plane.stiffness, 800);
     EXPECT_EQ(plane.recovery, automatic);
+    EXPECT_EQ(plane.texture.wavelength, Plane{}.texture.wavelength) << "0 can mean nothing else";
+    EXPECT_TRUE(kinds()[kind_number<Plane>()].validate(&plane));
     EXPECT_EQ(plane.damping, 0) << "what ROS does not state is 0; its .msg has the defaults";
 }
 

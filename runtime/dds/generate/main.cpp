@@ -149,6 +149,8 @@ void write_table(std::ostream& out, const std::vector<KindMessage>& kinds) {
         const std::string c_name = "knurl_msgs_msg_dds__" + type_name(kind.info->name) + "_";
         out << "constexpr std::array<std::size_t, " << kind.info->fields.size() << "> offsets_" << kind.info->name << "{{\n";
         for (const Field& field : kind.info->fields) out << "    offsetof(" << c_name << ", " << member(field) << "),\n";
+        out << "}};\nconstexpr std::array<unsigned char, " << kind.defaults.size() << "> defaults_" << kind.info->name << "{{";
+        for (const std::byte byte : kind.defaults) out << std::to_integer<int>(byte) << ",";
         out << "}};\n";
     }
     out << "\n}  // namespace\n\nstd::span<const KindMessage> kind_messages() {\n    static const std::array<KindMessage, "
@@ -157,7 +159,7 @@ void write_table(std::ostream& out, const std::vector<KindMessage>& kinds) {
         const std::string type = type_name(kind.info->name), c_name = "knurl_msgs_msg_dds__" + type + "_";
         out << "        {" << kind.info - knurl::kinds().data() << ", \"" << type << "\", &" << c_name << "_desc, sizeof(" << c_name
             << "), offsetof(" << c_name << ", header), offsetof(" << c_name << ", id), offsetof(" << c_name
-            << ", probe), offsets_" << kind.info->name << "},\n";
+            << ", probe), offsets_" << kind.info->name << ", defaults_" << kind.info->name << "},\n";
     }
     out << "    }};\n    return all;\n}\n\n}  // namespace knurl::dds\n";
 }

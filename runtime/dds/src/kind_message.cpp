@@ -1,5 +1,6 @@
 #include "kind_message.hpp"
 
+#include <array>
 #include <cstring>
 
 #include <fmt/format.h>
@@ -22,6 +23,18 @@ struct Sequence {
 
 void put(std::vector<std::byte>& params, std::size_t at, const void* from, std::size_t bytes) {
     std::memcpy(params.data() + at, from, bytes);
+}
+
+/// All zero, where that cannot be.
+bool is_unset(const Field& field, const std::vector<std::byte>& params) {
+    const bool part = field.name.find('.') != std::string_view::npos;
+    const bool never_zero = field.type == Field::Type::quaternion ||
+                            (part && (field.type == Field::Type::vector ? field.nonzero
+                                                                        : field.type == Field::Type::real && field.minimum > 0));
+    if (!never_zero) return false;
+    std::array<double, 4> values{};
+    std::memcpy(values.data(), params.data() + field.offset, field.reals() * sizeof(double));
+    return values == std::array<double, 4>{};
 }
 
 /// A sequence of numbers or of points, whose length a peer has stated.
@@ -75,6 +88,7 @@ std::string read_params(const KindMessage& message, const void* sample, std::vec
                 if (std::string wrong = read_many(kind, field, at, params); !wrong.empty()) return wrong;
                 break;
         }
+        if (is_unset(field, params)) put(params, field.offset, message.defaults.data() + field.offset, field.bytes());
     }
     return {};
 }
