@@ -150,6 +150,24 @@ TEST_F(RegistryTest, knurl_dds_lists_a_domain_with_a_registry_and_without) {
     EXPECT_TRUE(eventually([&] { return list().out.find("\"name\":\"far\"") != std::string::npos; }));
 }
 
+TEST_F(RegistryTest, knurl_lists_a_domain_for_people) {
+    ServoProcess servo;
+    DdsProgram program({"--name", "lab", "--bridge", "lab.example:4096", "--command", "cartesian3"});
+    const std::string domain = std::to_string(own_domain());
+    ASSERT_TRUE(eventually([] { return listed() == List{"lab running"}; }));
+    const auto ls = knurl::test::knurl({"ls", "--domain", domain});
+    EXPECT_EQ(ls.code, 0) << ls.err;
+    EXPECT_NE(ls.out.find("knurl://lab/: on "), std::string::npos) << ls.out;
+    EXPECT_NE(ls.out.find(", bridge lab.example:4096\n  cartesian3 (cartesian3, 1000 Hz): idle"), std::string::npos) << ls.out;
+    EXPECT_NE(ls.out.find("nobody holds it, may be commanded by DDS"), std::string::npos) << ls.out;
+    EXPECT_TRUE(eventually([&] {
+        return knurl::test::knurl({"top", "--domain", domain, "--count", "2", "--rate", "20"}).out.find("cycles/s") != std::string::npos;
+    }));
+    const auto none = knurl::test::knurl({"ls", "--domain", std::to_string(100 + own_domain())});
+    EXPECT_EQ(none.code, 0);
+    EXPECT_NE(none.out.find("no servo is announced in domain " + std::to_string(100 + own_domain())), std::string::npos) << none.out << none.err;
+}
+
 TEST_F(RegistryTest, what_cannot_be_is_refused_in_one_line) {
     const knurl::test::Home home;
     const auto says = [](std::vector<std::string> words) {

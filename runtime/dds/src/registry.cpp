@@ -90,7 +90,7 @@ std::string json_of(const ServoEntry& servo) {
         devices.push_back({{"name", device.name},
                            {"profile", device.profile},
                            {"state", device.state},
-                           {"faults", device.faults},
+                           {"fault_names", device.faults.empty() ? Json() : Json(device.faults)},
                            {"rate", device.rate},
                            {"measured_rate", device.measured_rate > 0 ? Json(device.measured_rate) : Json()},
                            {"peak_force", device.peak_force},
