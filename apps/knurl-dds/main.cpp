@@ -33,6 +33,7 @@ struct CommandLine {
     std::optional<std::uint64_t> domain;
     bool registry_only = false, json = false;
     double seconds = 2.5;
+    unsigned lose = 0;
 };
 
 void log(const std::string& line) {
@@ -70,6 +71,7 @@ dds::Config config_of(const CommandLine& said) {
         rule.device = device;
         config.robot.commands.push_back(rule);
     }
+    config.domain.lose = said.lose;
     config.domain.log = log;
     return config;
 }
@@ -173,6 +175,7 @@ int main(int argc, char** argv) {
     app.option("--command", said.commands,
                "A device that peers may command; may be repeated. Without it they only read. The file says more")
         .type_name("DEVICE");
+    app.option("--lose", said.lose, "For tests: of a thousand packets, this many are not sent").within(0, 900);
     app.flag("--registry", said.registry_only, "Without a servo: only looks servos up for the programs of this host");
     app.footer(fmt::format("DDS without DDS-Security asks nobody who he is: on an open network everybody who reaches the domain reads all\n"
                            "topics, and can move a device that may be commanded. Bounds: {} servos, {} peers that command a device.",

@@ -118,9 +118,10 @@ std::string cyclone_configuration(const DomainOptions& options) {
     return fmt::format(
         R"(<Domain id="{}"><General><Interfaces><NetworkInterface {}="{}"/></Interfaces><AllowMulticast>{}</AllowMulticast></General>)"
         R"(<Discovery><ParticipantIndex>{}</ParticipantIndex><MaxAutoParticipantIndex>{}</MaxAutoParticipantIndex>)"
-        R"(<Peers>{}</Peers><LeaseDuration>{} ms</LeaseDuration><SPDPInterval>{} ms</SPDPInterval></Discovery></Domain>)",
+        R"(<Peers>{}</Peers><LeaseDuration>{} ms</LeaseDuration><SPDPInterval>{} ms</SPDPInterval></Discovery>)"
+        R"(<Internal><Test><XmitLossiness>{}</XmitLossiness></Test></Internal></Domain>)",
         options.id, is_address(said) ? "address" : "name", attribute(said), is.multicast && !is.loopback ? "true" : "false",
-        peers.empty() ? "default" : "auto", most_processes - 1, peers, options.lease.count(), options.announce.count());
+        peers.empty() ? "none" : "auto", most_processes - 1, peers, options.lease.count(), options.announce.count(), options.lose);
 }
 
 struct Domain::Impl {

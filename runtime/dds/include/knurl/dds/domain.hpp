@@ -27,6 +27,8 @@ struct DomainOptions {
     std::chrono::milliseconds lease{5000};
     /// How often it says that it is there.
     std::chrono::milliseconds announce{1000};
+    /// For tests: of a thousand packets, this many are not sent.
+    unsigned lose = 0;
     /// Takes one line.
     std::function<void(const std::string&)> log = [](const std::string&) {};
 };
