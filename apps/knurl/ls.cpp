@@ -5,10 +5,13 @@
 
 #include <fmt/format.h>
 
+#include <knurl/commandline/program.hpp>
 #include <knurl/json/json.hpp>
 #include <knurl/protocol/attach.hpp>
 #include <knurl/view/text.hpp>
 
+#include "domain.hpp"
+#include "top_terminal.hpp"
 #include "verbs.hpp"
 
 namespace knurl::cli {
@@ -136,6 +139,12 @@ json json_of(const DeviceView& device) {
             {"clients", clients}};
 }
 
+int print_domain(std::uint64_t domain, bool as_json) {
+    const std::vector<Json> servos = servos_of_domain(domain);
+    commandline::print(as_json ? json_of_domain(domain, servos, 2) : shown(text_of_domain(domain, servos), false));
+    return 0;
+}
+
 int print_json(const std::vector<ServoView>& servos) {
     json list = json::array();
     for (const auto& servo : servos) {
@@ -160,10 +169,15 @@ void add_ls(commandline::Command& program) {
     auto& verb = program.verb("ls", "Servos, devices, clients, representations, who holds what");
     auto as_json = std::make_shared<bool>(false);
     verb.flag("--json", *as_json, "the same for programs (SI units)");
+    auto domain = std::make_shared<std::optional<std::uint64_t>>();
+    verb.option("--domain", *domain, "the servos of all hosts that knurl-dds announces in this DDS domain").within(0, 232);
     verb.footer(
         "Without any servo it says so and succeeds: an empty list is an answer.\n"
         "Where it may not look it says so, and ends with 1.");
-    verb.action([as_json] { return *as_json ? print_json(look_at_all()) : print_text(look_at_all()); });
+    verb.action([as_json, domain] {
+        if (*domain) return print_domain(**domain, *as_json);
+        return *as_json ? print_json(look_at_all()) : print_text(look_at_all());
+    });
 }
 
 }  // namespace knurl::cli

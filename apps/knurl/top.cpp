@@ -13,6 +13,7 @@
 #include <knurl/measure/sleeper.hpp>
 #include <knurl/protocol/attach.hpp>
 
+#include "domain.hpp"
 #include "top_terminal.hpp"
 #include "top_text.hpp"
 #include "verbs.hpp"
@@ -32,6 +33,7 @@ struct TopArguments {
     double hertz = 2;
     std::uint64_t count = 0;  // looks; 0: until interrupted
     bool json = false;
+    std::optional<std::uint64_t> domain;
 };
 
 struct Look {
@@ -115,9 +117,23 @@ std::string line_of(const std::string& servo, const Look& look) {
     return line.dump(-1) + "\n";
 }
 
+/// All hosts' servos, as often as they say what they are.
+int watch_domain(const TopArguments& arguments) {
+    Terminal terminal(!arguments.json);
+    for (std::uint64_t n = 0; arguments.count == 0 || n < arguments.count; ++n) {
+        const std::vector<Json> servos = servos_of_domain(*arguments.domain);
+        terminal.show(arguments.json ? json_of_domain(*arguments.domain, servos, -1)
+                                     : text_of_domain(*arguments.domain, servos));
+        commandline::flush_output();
+        if (n + 1 != arguments.count && !terminal.wait(1 / arguments.hertz)) return 0;
+    }
+    return 0;
+}
+
 int watch(const TopArguments& arguments) {
     if (!(arguments.hertz >= 0.1 && arguments.hertz <= 20))
         throw UsageError(fmt::format("--rate is {:g} Hz; give 0.1 to 20", arguments.hertz));
+    if (arguments.domain) return watch_domain(arguments);
     const protocol::ServoAddress servo = servo_said(arguments.servo);
     Looker looker(servo);
     std::string problem;
@@ -143,6 +159,7 @@ void add_top(commandline::Command& program) {
     verb.option("--count", arguments->count, "end after this number of samples; default: when interrupted")
         .type_name("N");
     verb.flag("--json", arguments->json, "a line of JSON for each sample");
+    verb.option("--domain", arguments->domain, "the servos of all hosts in this DDS domain, in place of one").within(0, 232);
     verb.footer(
         "lateness  from a cycle's deadline until the device has been read; of the newest 4095 cycles at "
         "most\n"

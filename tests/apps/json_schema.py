@@ -151,6 +151,30 @@ def simulation():
     return f"127.0.0.1:{listener.getsockname()[1]}"
 
 
+def check_domain(programs, check, tried):
+    """What knurl-dds announces; it is an optional part of the build."""
+    program = Path(programs.knurl).resolve().parent.parent / "knurl-dds" / "knurl-dds"
+    if not program.exists():
+        print("no knurl-dds was built: domain.schema.json is not checked")
+        tried.add("domain")
+        return
+    domain = str(1 + os.getpid() % 99)
+    with subprocess.Popen([program, "--domain", domain, "--name", "lab"], env=programs.environment, stdout=subprocess.PIPE,
+                          stderr=subprocess.DEVNULL, text=True) as dds:
+        dds.stdout.readline()
+        try:
+            for _ in range(100):  # looks, each a run of a program
+                text = programs.said("ls", "--domain", domain, "--json")
+                if '"running"' in text:
+                    break
+            check("domain", text)
+            check("domain", programs.said("top", "--domain", domain, "--json", "--count", "1"))
+            if '"running"' not in text:
+                raise SystemExit(f"knurl-dds does not announce the servo: {text}")
+        finally:
+            dds.send_signal(signal.SIGTERM)
+
+
 def main():
     folder_of_schemas, knurl, knurld, arm, surface, dock = sys.argv[1:]
     schemas = {path.name.removesuffix(".schema.json"): json.loads(path.read_text())
@@ -179,6 +203,7 @@ def main():
                 check("top", line)
             recorder.send_signal(signal.SIGINT)
             recorder.communicate()
+            check_domain(programs, check, tried)
             check("doctor", programs.said("doctor", "--seconds", "5", "--json", codes=(0, 1)))
             check("devices", programs.said("devices", "--json", codes=(0, 1)))
             check("device-check", programs.said("device", "check", arm, "--json"))

@@ -54,7 +54,8 @@ def connect(
     report_rate: float = 0.0,
     key_file: Optional[str] = None,
 ) -> "Client":
-    """Connects to a servo: "knurl:NAME", NAME or its socket's path on this box, "knurl://HOST:PORT" on another.
+    """Connects to a servo: "knurl:NAME", NAME or its socket's path on this box, "knurl://HOST:PORT" on another, or
+    "knurl://SERVO/DEVICE", which the registry of this host (knurl-dds) looks up.
 
     address: None: "knurl:default". name: that `knurl ls` shows; None: the program's. wait: for a servo that starts
     (s). reattach: after a restart of the servo everything is added again (force stays off until arm()). hints: lines

@@ -23,6 +23,22 @@ std::vector<bridge::Endpoint> bridge_endpoints(const std::string& address) {
     }
 }
 
+std::optional<protocol::RegistryAddress> registry_part(const std::string& address) {
+    try {
+        return protocol::registry_address(address);
+    } catch (const std::runtime_error& reason) {
+        throw Error(Error::Kind::no_servo, detail::format("address {}", reason.what()));
+    }
+}
+
+std::string where_registry_says(const protocol::RegistryAddress& servo) {
+    try {
+        return protocol::resolve_servo(servo.servo, protocol::domain_said());
+    } catch (const std::runtime_error& reason) {
+        throw Error(Error::Kind::no_servo, reason.what());
+    }
+}
+
 std::string servo_name(const std::string& address) {
     try {
         const protocol::ServoAddress servo = protocol::servo_address(address);
@@ -38,6 +54,7 @@ namespace knurl {
 
 void check_address(const std::string& address) {
     try {
+        if (protocol::registry_address(address)) return;
         if (address.starts_with(detail::remote_prefix))
             bridge::check_host_and_port(address.substr(detail::remote_prefix.size()));
         else

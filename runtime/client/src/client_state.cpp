@@ -50,8 +50,11 @@ std::string instead_of(const std::string& servo, const Error& error) {
 }  // namespace
 
 ClientState::ClientState(const std::string& address, const ConnectOptions& options)
-    : bridge_(bridge_endpoints(address)),
-      servo_(bridge_.empty() ? servo_name(address) : bridge_.front().text),
+    : registry_(registry_part(address)),
+      bridge_(registry_ ? std::vector<bridge::Endpoint>{} : bridge_endpoints(address)),
+      servo_(registry_         ? registry_->servo
+             : bridge_.empty() ? servo_name(address)
+                               : bridge_.front().text),
       options_(options),
       hints_(hints_wanted(options.hints)),
       stop_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
@@ -68,7 +71,8 @@ ClientState::ClientState(const std::string& address, const ConnectOptions& optio
             if (left < first_try)
                 throw Error(error.kind,
                             detail::format("{} (waited {} ms{})", error.what(), options_.wait.count(),
-                                           bridge_.empty() ? instead_of(servo_, error) : std::string()));
+                                           bridge_.empty() && !registry_ ? instead_of(servo_, error)
+                                                                         : std::string()));
             std::this_thread::sleep_for(std::min(pause, left));
             if (error.kind == Error::Kind::refused) pause = std::min(2 * pause, last_try);
         }
@@ -78,11 +82,20 @@ ClientState::ClientState(const std::string& address, const ConnectOptions& optio
 }
 
 std::unique_ptr<Link> ClientState::open_link() const {
+    if (!registry_) return open_link(servo_, bridge_);
+    // A servo that came back may have another address.
+    const std::string address = where_registry_says(*registry_);
+    const std::vector<bridge::Endpoint> bridge = bridge_endpoints(address);
+    return open_link(bridge.empty() ? servo_name(address) : bridge.front().text, bridge);
+}
+
+std::unique_ptr<Link> ClientState::open_link(const std::string& servo,
+                                             const std::vector<bridge::Endpoint>& bridge) const {
     const std::string name = options_.name.empty() ? program_invocation_short_name : options_.name;
-    if (bridge_.empty()) return connect_local(servo_, name, answer_time);
+    if (bridge.empty()) return connect_local(servo, name, answer_time);
     const char* key = std::getenv("KNURL_KEY");
     return bridge::connect_remote(
-        bridge_, {.client_name = name,
+        bridge, {.client_name = name,
                   .answer_time = answer_time,
                   .report_rate = options_.report_rate,
                   .key_file = options_.key_file.empty() && key != nullptr ? key : options_.key_file});
@@ -113,7 +126,8 @@ bool ClientState::connected() {
     return link_ != nullptr;
 }
 
-std::string ClientState::resolve(const std::string& device) {
+std::string ClientState::resolve(const std::string& said) {
+    const std::string device = said.empty() && registry_ ? registry_->device : said;
     const std::vector<DeviceDescription> all = devices();
     std::vector<std::string> names;
     for (const DeviceDescription& each : all) {

@@ -15,6 +15,7 @@
 #include <knurl/client/client.hpp>
 #include <knurl/link/fork_guard.hpp>
 #include <knurl/link/transport.hpp>
+#include <knurl/protocol/registry.hpp>
 #include <knurl/shm/fd.hpp>
 
 namespace knurl::detail {
@@ -47,6 +48,7 @@ class ClientState {
     using Lock = std::unique_lock<std::mutex>;
 
     std::unique_ptr<Link> open_link() const;
+    std::unique_ptr<Link> open_link(const std::string& servo, const std::vector<bridge::Endpoint>& bridge) const;
     void watch();
     bool sleep_on(int descriptor, std::chrono::milliseconds timeout);  // false: close() was called
     void lose_link();
@@ -56,7 +58,8 @@ class ClientState {
     [[noreturn]] void throw_disconnected() const;
 
     const std::uint64_t made_in_ = fork_generation();
-    const std::vector<bridge::Endpoint> bridge_;  // its addresses; none: a local servo
+    const std::optional<protocol::RegistryAddress> registry_;  // it is looked up anew for each attempt
+    const std::vector<bridge::Endpoint> bridge_;  // its addresses; none: a local servo, or one of the registry
     const std::string servo_;                     // its name; through a bridge: host and port
     const ConnectOptions options_;
     const bool hints_;

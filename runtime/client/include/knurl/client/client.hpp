@@ -370,8 +370,10 @@ class Handle : public AnyHandle {
 class Client {
   public:
     /// Connects to "knurl:NAME" (or NAME), the servo of that name on this box, or to "knurl://HOST:PORT", the
-    /// servo behind a knurl-bridge on another host (IPv6: "knurl://[::1]:4096"). Waits for a servo that is
-    /// still starting, then throws Error, which says how to start it.
+    /// servo behind a knurl-bridge on another host (IPv6: "knurl://[::1]:4096"), or to "knurl://SERVO/DEVICE", which
+    /// the registry of this host (knurl-dds) looks up, here or on another host; DEVICE is then what claim() and
+    /// observe() take where they name none. Waits for a servo that is still starting, then throws Error, which says
+    /// how to start it.
     static Client connect(const std::string& address = "knurl:default", const ConnectOptions& options = {});
 
     /// The servo's devices.
