@@ -9,6 +9,7 @@
 
 #include "debounced.hpp"
 #include "falcon/device.hpp"
+#include "process/device.hpp"
 #include "spacemouse/device.hpp"
 #include "wooden/device.hpp"
 
@@ -20,6 +21,7 @@ std::vector<Driver>& drivers() {
         falcon::driver(),
         spacemouse::driver(),
         wooden::driver(),
+        process::dhd_driver(),
     };
     return all;
 }

@@ -7,6 +7,7 @@
 #include <csignal>
 #include <filesystem>
 #include <memory>
+#include <thread>
 
 #include <sys/wait.h>
 
@@ -16,6 +17,7 @@
 #include "motor_bench.hpp"
 #include "shared_sim.hpp"
 #include "spacemouse_model.hpp"
+#include "vendor_bench.hpp"
 
 namespace knurl::drivers {
 
@@ -134,6 +136,51 @@ class SharedSimBench final : public Bench {
 
     std::uint64_t seen_ = process().mapping()->records.load(std::memory_order_acquire);
     std::vector<double> limits_;
+};
+
+/// Behind knurl-device and a counterfeit of its maker's library.
+class VendorBench final : public Bench {
+  public:
+    /// `limit` of each motor, N.
+    explicit VendorBench(double limit) : limit_(limit) { hardware().device().position[0] = target() = 0; }
+    /// The hardware, which exists as long as the tests.
+    static counterfeit::Bench& hardware() {
+        static counterfeit::Bench bench;
+        return bench;
+    }
+    bool has_motors() const override { return true; }
+    bool has_cable() const override { return true; }
+    bool has_encoder() const override { return true; }
+    bool sleeps_until_read() const override { return true; }
+    std::size_t packets() override { return device().forces.load(); }
+    double share(const Device*) override {
+        const std::uint64_t written = device().records.load(std::memory_order_acquire);
+        double largest = seen_ == written ? device().largest_now() : 0;
+        for (; seen_ < written; ++seen_)
+            for (const double force : device().log[seen_ % counterfeit::log_size].force)
+                largest = std::max(largest, std::abs(force));
+        return largest / limit_;
+    }
+    void pull(Device&) override { device().plugged = 0; }
+    void plug_in_again(Device&) override { device().plugged = 1; }
+    bool freeze(bool frozen) override {
+        const auto pid = static_cast<pid_t>(device().opened_by.load());
+        ::kill(pid, frozen ? SIGSTOP : SIGCONT);
+        return true;
+    }
+    void turn(int counts) override { target() = target() + counts * 10e-6; }
+    void moment() override {
+        // A loop of its own; one that is gone, stopped or not yet awake makes none.
+        const std::uint64_t before = device().positions.load() + 2;
+        for (int looks = 0; device().positions.load() < before && looks < 20; ++looks)
+            std::this_thread::sleep_for(std::chrono::microseconds(200));
+    }
+
+  private:
+    static counterfeit::Device& device() { return hardware().device(); }
+    static std::atomic<double>& target() { return device().target[0]; }
+    double limit_;
+    std::uint64_t seen_ = device().records.load(std::memory_order_acquire);
 };
 
 /// A device on the emulated bus, which exists as long as the tests.

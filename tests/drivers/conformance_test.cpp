@@ -53,6 +53,7 @@ std::map<std::string, Enrolled> addresses() {
             {"wooden",
              {{"ONE"},
               [=] { return std::make_unique<UsbMotorBench>(wooden_device, all().wooden, "1-2", 3000); }}},
+            {"dhd", {{",watchdog=0.03"}, [] { return std::make_unique<VendorBench>(12); }}},
             {"spacemouse", {{""}, [] { return std::make_unique<SpaceMouseBench>(); }}}};
 }
 

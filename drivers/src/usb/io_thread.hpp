@@ -25,7 +25,8 @@
 #include <poll.h>
 #include <pthread.h>
 
-#include "usb/newest.hpp"
+#include <knurl/drivers/newest.hpp>
+
 #include "usb/protocol.hpp"
 #include "usb/zero_line.hpp"
 
