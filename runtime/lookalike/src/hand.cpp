@@ -51,10 +51,13 @@ Hand::~Hand() {
 void Hand::pace() {
     const std::unique_lock lock(pacing_, std::try_to_lock);
     if (!lock) return;
-    std::optional<HandReport> report = claim_.latest();
+    const auto period = std::chrono::nanoseconds(std::llround(1e9 / device_.rate));
     constexpr int most_cycles = 3;  // a servo that has stopped must not stop the program
-    if (report && report->cycle <= paced_)
-        report = claim_.newest(std::chrono::nanoseconds(std::llround(most_cycles * 1e9 / device_.rate)));
+    std::optional<HandReport> report = claim_.latest();
+    if (!report)
+        std::this_thread::sleep_for(period);  // without a servo a loop keeps about its pace
+    else if (report->cycle <= paced_)
+        report = claim_.newest(most_cycles * period);
     if (report) paced_ = report->cycle;
 }
 
