@@ -8,6 +8,7 @@
 
 #include <poll.h>
 #include <pthread.h>
+#include <sys/ioctl.h>
 #include <termios.h>
 #include <unistd.h>
 
@@ -45,8 +46,8 @@ bool dhdKbHit(void) {
     take_terminal();
     pollfd input{.fd = STDIN_FILENO, .events = POLLIN, .revents = 0};
     if (::poll(&input, 1, 0) <= 0) return false;
-    // Of a pipe or a file that has ended there is nothing to read, for ever.
-    if ((input.revents & POLLIN) == 0) ended = true;
+    int waiting = 0;  // bytes; of a pipe or a file that has ended there are none, for ever
+    if (::ioctl(STDIN_FILENO, FIONREAD, &waiting) != 0 || waiting <= 0) ended = true;
     return !ended;
 }
 

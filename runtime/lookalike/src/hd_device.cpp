@@ -26,8 +26,10 @@ void begin(HHD handle) {
     const auto newest = device->hand.newest();
     const std::uint64_t now = turn();
     const std::lock_guard lock(device->mutex);
+    const bool within = device->open_frames++ > 0;  // another one: the same snapshot
+    // The frame is begun all the same, so that its end is no second mistake; the program goes on with what it knew.
     if (!newest) throw Refused{HD_COMM_ERROR};
-    if (device->open_frames++ > 0) return;  // within another one: the same snapshot
+    if (within) return;
     // Two callbacks of a turn see one state of the device, and the second adds to the first one's force.
     if (device->any_frame && device->tick == now) return;
     device->last = device->now;
