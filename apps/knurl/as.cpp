@@ -46,11 +46,13 @@ fs::path folder_of(const std::string& name, const std::string& library) {
 void require_devices(const Wish& wish) {
     std::vector<std::string> said = wish.devices;
     if (said.empty()) said.emplace_back();
-    for (const std::string& device : said) {
+    for (std::string device : said) {
+        if (const std::size_t equals = device.find('='); equals != std::string::npos)
+            device.erase(0, equals + 1);
         const std::size_t slash = device.rfind('/');
         const std::string name = slash == std::string::npos ? device : device.substr(slash + 1);
-        const Client client =
-            Client::connect(slash == std::string::npos ? wish.servo : device.substr(0, slash), {.hints = false});
+        const Client client = Client::connect(
+            slash == std::string::npos ? wish.servo : device.substr(0, slash), {.hints = false});
         std::vector<std::string> names;
         for (const DeviceDescription& one : client.devices()) names.push_back(one.name);
         if (names.empty()) throw std::runtime_error("the servo has no device");
@@ -68,7 +70,8 @@ int start(Wish& wish, const std::string& folder, const std::string& library) {
     const fs::path path = folder_of(folder, library);
     require_devices(wish);
     const char* before = std::getenv("LD_LIBRARY_PATH");
-    set("LD_LIBRARY_PATH", path.string() + (before == nullptr || *before == '\0' ? "" : ":" + std::string(before)));
+    set("LD_LIBRARY_PATH",
+        path.string() + (before == nullptr || *before == '\0' ? "" : ":" + std::string(before)));
     if (folder == "as-dhd") {
         // Where Python's bindings look, before they look anywhere else.
         set("FDSDK", path.string());
@@ -90,24 +93,30 @@ int start(Wish& wish, const std::string& folder, const std::string& library) {
     return why == ENOENT ? not_found : not_startable;
 }
 
-void add(commandline::Command& as, const std::string& name, const std::string& purpose, const std::string& library) {
+void add(commandline::Command& as, const std::string& name, const std::string& purpose,
+         const std::string& library) {
     auto wish = std::make_shared<Wish>();
     auto& verb = as.verb(name, purpose);
-    verb.option("--servo", wish->servo, "The servo's name, or knurl://HOST:PORT").type_name("NAME").shows_default();
+    verb.option("--servo", wish->servo, "The servo's name, or knurl://HOST:PORT")
+        .type_name("NAME")
+        .shows_default();
     verb.option("--device", wish->devices,
-                "A device that the program finds, in this order; repeated for several. All of the servo's without it")
+                "A device that the program finds, in this order; repeated for several. All of the servo's "
+                "without it")
         .type_name("[SERVO/]DEVICE");
     verb.words_behind_dashes(wish->words);
-    verb.footer("The program and its arguments stand behind --: knurl as " + name + " --device right -- ./my_program");
+    verb.footer("The program and its arguments stand behind --: knurl as " + name +
+                " --device right -- ./my_program");
     verb.action([wish, name, library] { return start(*wish, "as-" + name, library); });
 }
 
 }  // namespace
 
 void add_as(commandline::Command& program) {
-    auto& as = program.verb("as",
-                            "Starts a program that was written for Force Dimension's or 3D Systems' library on a "
-                            "Knurl device");
+    auto& as =
+        program.verb("as",
+                     "Starts a program that was written for Force Dimension's or 3D Systems' library on a "
+                     "Knurl device");
     as.requires_verb();
     add(as, "dhd", "With a libdhd.so.3 and libdrd.so.3 over a Knurl servo", "libdhd.so.3");
     add(as, "hd", "With a libHD.so (OpenHaptics) over a Knurl servo", "libHD.so");

@@ -24,18 +24,21 @@ TEST_F(As, a_program_in_c_springs_and_is_killed) {
     Background program(as_dhd({"--device", "right"}, {KNURL_LOOKALIKE_SPRING}));
     ASSERT_TRUE(program.says("opened Knurl cartesian3")) << program.said();
     // The hand is 2.3 cm away from the centre: 3.4 N, less what it yields.
-    ASSERT_TRUE(until(*right_, [](const HandReport& r) { return is_active(r) && r.sent_force.y > 0.3; }, [] {}));
+    ASSERT_TRUE(until(
+        *right_, [](const HandReport& r) { return is_active(r) && r.sent_force.y > 0.3; }, [] {}));
     EXPECT_EQ(program.end(SIGKILL), 128 + SIGKILL);
-    EXPECT_TRUE(until(*right_, [](const HandReport& r) { return no_force(r) && r.state == DeviceState::idle; }, [] {}));
+    EXPECT_TRUE(until(
+        *right_, [](const HandReport& r) { return no_force(r) && r.state == DeviceState::idle; }, [] {}));
 }
 
 TEST_F(As, the_device_that_is_named_is_the_one_that_is_found) {
-    Background program(as_dhd({"--device", "left", "--device", "right"}, {KNURL_LOOKALIKE_SPRING}));
+    Background program(as_dhd({"--device", "second=left", "--device", "right"}, {KNURL_LOOKALIKE_SPRING}));
     ASSERT_TRUE(program.says("opened Knurl premium15")) << program.said();
 }
 
 TEST_F(As, the_words_of_the_program_are_its_own) {
-    const Outcome outcome = knurl::test::run(as_dhd({}, {"/bin/sh", "-c", "echo \"$@\"; exit 5", "sh", "--servo", "--help"}));
+    const Outcome outcome =
+        knurl::test::run(as_dhd({}, {"/bin/sh", "-c", "echo \"$@\"; exit 5", "sh", "--servo", "--help"}));
     EXPECT_EQ(outcome.code, 5);
     EXPECT_EQ(outcome.out, "--servo --help\n");
     EXPECT_EQ(outcome.err, "");
@@ -43,8 +46,8 @@ TEST_F(As, the_words_of_the_program_are_its_own) {
 
 TEST_F(As, the_search_path_begins_with_the_look_alike) {
     ::setenv("LD_LIBRARY_PATH", "/opt/vendor/lib", 1);
-    const Outcome outcome =
-        knurl::test::run(as_dhd({}, {"/bin/sh", "-c", "echo $LD_LIBRARY_PATH; ls $FDSDK/lib/release/*/libdrd.so.3"}));
+    const Outcome outcome = knurl::test::run(
+        as_dhd({}, {"/bin/sh", "-c", "echo $LD_LIBRARY_PATH; ls $FDSDK/lib/release/*/libdrd.so.3"}));
     ::unsetenv("LD_LIBRARY_PATH");
     EXPECT_EQ(outcome.out.find(KNURL_AS_DHD ":/opt/vendor/lib\n"), 0u) << outcome.out;
     EXPECT_NE(outcome.out.find("/libdrd.so.3"), std::string::npos) << outcome.out;

@@ -77,8 +77,9 @@ TEST_F(Dhd, the_position_of_a_moving_hand_is_one_that_the_servo_reported) {
         while (const auto next = right_->next_report(0ns)) seen.push_back(*next);
         double nearest = 1;
         for (const HandReport& report : seen)
-            nearest = std::min(nearest, std::hypot(x + centre.x - report.position.x, y + centre.y - report.position.y,
-                                                   z + centre.z - report.position.z));
+            nearest = std::min(nearest,
+                               std::hypot(x + centre.x - report.position.x, y + centre.y - report.position.y,
+                                          z + centre.z - report.position.z));
         EXPECT_LE(nearest, exact);
         if (i == 0) first = {x, y, z};
         moved += std::hypot(x - first.x, y - first.y, z - first.z) > 1e-4 ? 1 : 0;
@@ -95,8 +96,9 @@ TEST_F(Dhd, velocity_and_position_are_in_metres_from_the_centre) {
     EXPECT_NEAR(y, -0.020, 1e-3);
     EXPECT_NEAR(z, 0.005, 1e-3);
     for (int i = 0; i < 9; ++i) EXPECT_EQ(matrix[i], i % 4 == 0 ? 1 : 0) << "no wrist";
-    ASSERT_TRUE(until(*left_, [](const HandReport& r) { return std::abs(r.velocity.x) > 0.01; },
-                      [] { dhdSetForce(0, 0, 0, 1); }));
+    ASSERT_TRUE(until(
+        *left_, [](const HandReport& r) { return std::abs(r.velocity.x) > 0.01; },
+        [] { dhdSetForce(0, 0, 0, 1); }));
     ASSERT_EQ(dhdGetLinearVelocity(&vx, &vy, &vz, 1), 0);
     EXPECT_GT(std::hypot(vx, vy, vz), 0.001);
     EXPECT_LT(std::hypot(vx, vy, vz), 0.2);
@@ -104,8 +106,9 @@ TEST_F(Dhd, velocity_and_position_are_in_metres_from_the_centre) {
 
 TEST_F(Dhd, a_force_is_felt_while_it_is_set_and_lapses_when_it_is_not) {
     ASSERT_EQ(dhdOpen(), 0);
-    ASSERT_TRUE(until(*right_, [](const HandReport& r) { return is_active(r) && std::abs(r.sent_force.x - 0.5) < 1e-9; },
-                      [] { EXPECT_EQ(dhdSetForce(0.5, 0, 0, -1), 0); }));
+    ASSERT_TRUE(until(
+        *right_, [](const HandReport& r) { return is_active(r) && std::abs(r.sent_force.x - 0.5) < 1e-9; },
+        [] { EXPECT_EQ(dhdSetForce(0.5, 0, 0, -1), 0); }));
     double x, y, z;
     ASSERT_EQ(dhdGetForce(&x, &y, &z, -1), 0);
     EXPECT_NEAR(x, 0.5, exact);
@@ -125,8 +128,9 @@ TEST_F(Dhd, a_force_is_felt_while_it_is_set_and_lapses_when_it_is_not) {
         if (last == 0) break;
     }
     EXPECT_GE(*fell - set.time_since_epoch().count(), 100'000'000) << "it lasts 100 ms";
-    EXPECT_TRUE(until(*right_, [](const HandReport& r) { return r.sent_force.x > 0.4; },
-                      [] { dhdSetForce(0.5, 0, 0, -1); }))
+    EXPECT_TRUE(until(
+        *right_, [](const HandReport& r) { return r.sent_force.x > 0.4; },
+        [] { dhdSetForce(0.5, 0, 0, -1); }))
         << "and comes back at once";
 }
 
@@ -139,8 +143,9 @@ TEST_F(Dhd, a_shorter_watchdog_is_kept_to) {
     unsigned char set = 0;
     ASSERT_EQ(dhdGetWatchdog(&set, -1), 0);
     EXPECT_EQ(set, 80);
-    ASSERT_TRUE(until(*right_, [](const HandReport& r) { return r.sent_force.x > 0.4; },
-                      [] { dhdSetForce(0.5, 0, 0, -1); }));
+    ASSERT_TRUE(until(
+        *right_, [](const HandReport& r) { return r.sent_force.x > 0.4; },
+        [] { dhdSetForce(0.5, 0, 0, -1); }));
     EXPECT_TRUE(until(*right_, no_force, [] {}));
 }
 
@@ -151,8 +156,10 @@ TEST_F(Dhd, two_devices_have_forces_of_their_own) {
         EXPECT_GE(dhdSetForce(0.3, 0, 0, 0), 0);
         EXPECT_GE(dhdSetForce(0, 0.4, 0, 1), 0);
     };
-    EXPECT_TRUE(until(*right_, [](const HandReport& r) { return std::abs(r.sent_force.x - 0.3) < 1e-9; }, both));
-    EXPECT_TRUE(until(*left_, [](const HandReport& r) { return std::abs(r.sent_force.y - 0.4) < 1e-9; }, both));
+    EXPECT_TRUE(until(
+        *right_, [](const HandReport& r) { return std::abs(r.sent_force.x - 0.3) < 1e-9; }, both));
+    EXPECT_TRUE(until(
+        *left_, [](const HandReport& r) { return std::abs(r.sent_force.y - 0.4) < 1e-9; }, both));
     EXPECT_EQ(right_->latest()->sent_force.y, 0);
     ASSERT_EQ(dhdClose(0), 0);
     EXPECT_TRUE(until(*right_, no_force, [] { dhdSetForce(0, 0.4, 0, -1); }));
@@ -162,8 +169,10 @@ TEST_F(Dhd, two_devices_have_forces_of_their_own) {
 TEST_F(Dhd, nonsense_is_refused_and_changes_nothing) {
     ASSERT_EQ(dhdOpen(), 0);
     const auto good = [] { dhdSetForce(0.2, 0, 0, -1); };
-    ASSERT_TRUE(until(*right_, [](const HandReport& r) { return std::abs(r.sent_force.x - 0.2) < 1e-9; }, good));
-    const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
+    ASSERT_TRUE(until(
+        *right_, [](const HandReport& r) { return std::abs(r.sent_force.x - 0.2) < 1e-9; }, good));
+    const double nan = std::numeric_limits<double>::quiet_NaN(),
+                 inf = std::numeric_limits<double>::infinity();
     for (const double bad : {nan, inf, -inf}) {
         EXPECT_EQ(dhdSetForce(bad, 0, 0, -1), -1);
         EXPECT_EQ(dhdErrorGetLast(), 21);
@@ -179,13 +188,15 @@ TEST_F(Dhd, nonsense_is_refused_and_changes_nothing) {
     EXPECT_EQ(dhdErrorGetLast(), 15);
     EXPECT_EQ(dhdSetMaxForce(nan, -1), -1);
     EXPECT_EQ(dhdSetForce(0, 0, 0, 5), -1) << "not open";
-    EXPECT_TRUE(until(*right_, [](const HandReport& r) { return std::abs(r.sent_force.x - 0.2) < 1e-9; }, good));
+    EXPECT_TRUE(until(
+        *right_, [](const HandReport& r) { return std::abs(r.sent_force.x - 0.2) < 1e-9; }, good));
 }
 
 TEST_F(Dhd, force_is_switched_off_and_on_and_limited) {
     ASSERT_EQ(dhdOpen(), 0);
     const auto push = [] { EXPECT_GE(dhdSetForce(0, 0, 0.6, -1), 0); };
-    ASSERT_TRUE(until(*right_, [](const HandReport& r) { return r.sent_force.z > 0.59; }, push));
+    ASSERT_TRUE(until(
+        *right_, [](const HandReport& r) { return r.sent_force.z > 0.59; }, push));
     int status[17];
     std::fill(std::begin(status), std::end(status), 77);
     ASSERT_EQ(dhdGetStatus(status, -1), 0);
@@ -196,11 +207,13 @@ TEST_F(Dhd, force_is_switched_off_and_on_and_limited) {
     EXPECT_EQ(dhdGetStatus(status, -1), 0);
     EXPECT_EQ(status[5], 0);
     ASSERT_EQ(dhdEnableForce(1, -1), 0);
-    EXPECT_TRUE(until(*right_, [](const HandReport& r) { return r.sent_force.z > 0.59; }, push));
+    EXPECT_TRUE(until(
+        *right_, [](const HandReport& r) { return r.sent_force.z > 0.59; }, push));
     EXPECT_EQ(dhdGetMaxForce(-1), -1);
     ASSERT_EQ(dhdSetMaxForce(0.25, -1), 0);
     EXPECT_EQ(dhdGetMaxForce(-1), 0.25);
-    EXPECT_TRUE(until(*right_, [](const HandReport& r) { return std::abs(r.sent_force.z - 0.25) < 1e-9; }, push));
+    EXPECT_TRUE(until(
+        *right_, [](const HandReport& r) { return std::abs(r.sent_force.z - 0.25) < 1e-9; }, push));
     ASSERT_EQ(dhdSetMaxForce(-1, -1), 0);
     EXPECT_EQ(dhdSetForce(0, 0, 1000, -1), 2) << "more than the motors can";
     ASSERT_EQ(dhdSetBrakes(1, -1), 0);
@@ -217,11 +230,13 @@ TEST_F(DhdWrist, a_wrist_is_read_and_turned) {
     ASSERT_EQ(drdGetPositionAndOrientation(&x, &y, &z, &a, &b, &c, &gap, matrix, -1), 0);
     const auto r = to_eigen(report->orientation).toRotationMatrix();
     for (int row = 0; row < 3; ++row)
-        for (int column = 0; column < 3; ++column) EXPECT_NEAR(matrix[3 * row + column], r(row, column), 1e-6);
+        for (int column = 0; column < 3; ++column)
+            EXPECT_NEAR(matrix[3 * row + column], r(row, column), 1e-6);
     EXPECT_NEAR(a, report->joints[3], 1e-3);
     EXPECT_EQ(gap, 0);
-    EXPECT_TRUE(until(*right_, [](const HandReport& now) { return std::abs(now.sent_torque.y - 0.01) < 1e-6; },
-                      [] { dhdSetForceAndTorque(0, 0, 0, 0, 0.01, 0, -1); }));
+    EXPECT_TRUE(until(
+        *right_, [](const HandReport& now) { return std::abs(now.sent_torque.y - 0.01) < 1e-6; },
+        [] { dhdSetForceAndTorque(0, 0, 0, 0, 0.01, 0, -1); }));
 }
 
 TEST_F(Dhd, a_device_is_shared_with_who_shares_it_and_refused_with_who_does_not) {
@@ -254,8 +269,9 @@ TEST_F(Dhd, the_servo_is_killed_and_comes_back) {
     EXPECT_EQ(dhdErrorGetLast(), 2);
     servo_.start();
     EXPECT_TRUE(eventually([&] { return dhdGetPosition(&x, &y, &z, -1) == 0; })) << "it is read again";
-    EXPECT_TRUE(until(*right_, [](const HandReport& r) { return is_active(r) && r.sent_force.x > 0.09; },
-                      [] { dhdSetForce(0.1, 0, 0, -1); }));
+    EXPECT_TRUE(until(
+        *right_, [](const HandReport& r) { return is_active(r) && r.sent_force.x > 0.09; },
+        [] { dhdSetForce(0.1, 0, 0, -1); }));
 }
 
 TEST_F(Dhd, calls_come_from_many_threads_and_one_closes) {

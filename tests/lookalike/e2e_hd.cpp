@@ -56,7 +56,8 @@ HDCallbackCode frame(void* data) {
     hdSetDoublev(HD_CURRENT_FORCE, program.force.data());
     hdGetDoublev(HD_CURRENT_POSITION, program.again.data());
     hdEndFrame(program.device);
-    if (const HDErrorInfo error = hdGetError(); error.errorCode != HD_SUCCESS) program.worst = error.errorCode;
+    if (const HDErrorInfo error = hdGetError(); error.errorCode != HD_SUCCESS)
+        program.worst = error.errorCode;
     ++program.turns;
     return program.done ? HD_CALLBACK_DONE : HD_CALLBACK_CONTINUE;
 }
@@ -84,6 +85,9 @@ TEST_F(Hd, a_device_is_initialised_by_any_of_its_names) {
     EXPECT_EQ(error(), HDerror{HD_DEVICE_ALREADY_INITIATED});
     EXPECT_EQ(hdInitDevice("Default PHANToM"), 0u);
     EXPECT_EQ(error(), HDerror{HD_DEVICE_ALREADY_INITIATED});
+    ::setenv("KNURL_AS_DEVICES", "right,PHANToM 2=left", 1);
+    EXPECT_EQ(hdInitDevice("phantom 2"), 1u) << "as the program calls it";
+    EXPECT_EQ(error(), HDerror{HD_DEVICE_ALREADY_INITIATED});
     EXPECT_EQ(hdInitDevice("middle"), HD_INVALID_HANDLE);
     EXPECT_EQ(error(), HDerror{HD_COMM_ERROR});
     hdDisableDevice(1);
@@ -100,8 +104,9 @@ TEST_F(Hd, a_callback_is_run_in_each_cycle_and_its_force_is_felt) {
     const Scheduled scheduled(frame, &program, 65535);
     const HDSchedulerHandle handle = scheduled.handle;
     hdStartScheduler();
-    ASSERT_TRUE(until(*right_, [](const HandReport& r) { return is_active(r) && std::abs(r.sent_force.x - 0.4) < 1e-9; },
-                      [] {}));
+    ASSERT_TRUE(until(
+        *right_, [](const HandReport& r) { return is_active(r) && std::abs(r.sent_force.x - 0.4) < 1e-9; },
+        [] {}));
     const int turns = program.turns;
     const std::uint64_t cycle = right_->latest()->cycle;
     EXPECT_TRUE(eventually([&] { return program.turns > turns + 300; }));
@@ -159,12 +164,13 @@ TEST_F(Hd, nothing_is_felt_before_the_force_output_is_enabled) {
     EXPECT_EQ(hdIsEnabled(HD_FORCE_OUTPUT), 0);
     hdEnable(HD_FORCE_OUTPUT);
     EXPECT_EQ(hdIsEnabled(HD_FORCE_OUTPUT), 1);
-    EXPECT_TRUE(until(*right_, [](const HandReport& r) { return std::abs(r.sent_force.y - 0.5) < 1e-9; }, [] {}));
+    EXPECT_TRUE(until(
+        *right_, [](const HandReport& r) { return std::abs(r.sent_force.y - 0.5) < 1e-9; }, [] {}));
     hdDisable(HD_FORCE_OUTPUT);
     EXPECT_TRUE(until(*right_, no_force, [] {}));
 }
 
-TEST_F(Hd, a_force_that_is_not_set_again_is_zero_in_the_next_turn) {
+TEST_F(Hd, callbacks_of_a_turn_add_up_and_a_frame_that_sets_nothing_changes_nothing) {
     Program program;
     program.device = hdInitDevice(nullptr);
     hdEnable(HD_FORCE_OUTPUT);
@@ -185,13 +191,30 @@ TEST_F(Hd, a_force_that_is_not_set_again_is_zero_in_the_next_turn) {
     second.device = program.device;
     const Scheduled scheduled(frame, &program, 200);
     const HDSchedulerHandle adds = hdScheduleAsynchronous(twice, &second, 100);
-    EXPECT_TRUE(until(*right_, [](const HandReport& r) { return std::abs(r.sent_force.y - 0.6) < 1e-9; }, [] {}))
+    EXPECT_TRUE(until(
+        *right_, [](const HandReport& r) { return std::abs(r.sent_force.y - 0.6) < 1e-9; }, [] {}))
         << "a later callback of a turn adds to the earlier one's force";
     program.done = true;
-    EXPECT_TRUE(until(*right_, [](const HandReport& r) { return std::abs(r.sent_force.y - 0.1) < 1e-9; }, [] {}))
+    EXPECT_TRUE(until(
+        *right_, [](const HandReport& r) { return std::abs(r.sent_force.y - 0.1) < 1e-9; }, [] {}))
         << "which does not grow from turn to turn";
     hdUnschedule(adds);
     const int turns = second.turns;
+    const auto looks = [](void* data) -> HDCallbackCode {
+        auto& p = *static_cast<Program*>(data);
+        double force[3] = {7, 7, 7};
+        hdBeginFrame(p.device);
+        hdGetDoublev(HD_CURRENT_FORCE, force);
+        hdEndFrame(p.device);
+        if (force[0] != 0) p.worst = HD_FORCE_ERROR;
+        return ++p.turns < 500 ? HD_CALLBACK_CONTINUE : HD_CALLBACK_DONE;
+    };
+    Program third;
+    third.device = program.device;
+    hdScheduleSynchronous(looks, &third, 0);
+    EXPECT_NEAR(right_->latest()->sent_force.y, 0.1, 1e-9)
+        << "half a second later, that of the frame before stands";
+    EXPECT_EQ(third.worst, HDerror{HD_SUCCESS}) << "a frame has commanded nothing when it begins";
     EXPECT_TRUE(until(*right_, no_force, [] {}));
     EXPECT_EQ(second.turns, turns) << "unscheduled is unscheduled";
 }
@@ -213,8 +236,9 @@ TEST_F(Hd, synchronous_callbacks_run_in_the_schedulers_thread_and_are_waited_for
     EXPECT_NE(seen.thread, std::this_thread::get_id());
     // From within the scheduler it runs at once, and does not wait for itself.
     const auto nested = [](void* data) -> HDCallbackCode {
-        hdScheduleSynchronous([](void* inner) -> HDCallbackCode { return ++*static_cast<int*>(inner), HD_CALLBACK_DONE; },
-                              data, 0);
+        hdScheduleSynchronous(
+            [](void* inner) -> HDCallbackCode { return ++*static_cast<int*>(inner), HD_CALLBACK_DONE; }, data,
+            0);
         hdStopScheduler();
         return HD_CALLBACK_DONE;
     };
@@ -267,7 +291,8 @@ TEST_F(Hd, nonsense_is_an_error_and_changes_nothing) {
     hdBeginFrame(device);
     const double good[3] = {0, 0.1, 0};
     hdSetDoublev(HD_CURRENT_FORCE, good);
-    for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    for (const double bad :
+         {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
         const double force[3] = {0, bad, 0};
         hdSetDoublev(HD_CURRENT_FORCE, force);
         EXPECT_EQ(error(), HDerror{HD_INVALID_VALUE});
@@ -310,12 +335,14 @@ TEST_F(Hd, what_a_device_is_can_be_asked_in_any_type) {
 TEST_F(HdWrist, torque_is_in_newton_millimetres_about_their_axes) {
     const HHD device = hdInitDevice(nullptr);
     hdEnable(HD_FORCE_OUTPUT);
-    EXPECT_TRUE(until(*right_, [](const HandReport& r) { return std::abs(r.sent_torque.x - 0.02) < 1e-6; }, [&] {
-        const double torque[3] = {0, 0, 20};
-        hdBeginFrame(device);
-        hdSetDoublev(HD_CURRENT_TORQUE, torque);
-        hdEndFrame(device);
-    }));
+    EXPECT_TRUE(until(
+        *right_, [](const HandReport& r) { return std::abs(r.sent_torque.x - 0.02) < 1e-6; },
+        [&] {
+            const double torque[3] = {0, 0, 20};
+            hdBeginFrame(device);
+            hdSetDoublev(HD_CURRENT_TORQUE, torque);
+            hdEndFrame(device);
+        }));
     const auto r = to_eigen(right_->latest()->orientation).toRotationMatrix();
     double m[16], gimbals[3];
     hdBeginFrame(device);
@@ -347,8 +374,10 @@ TEST_F(Hd, two_devices_are_driven_from_one_callback) {
     };
     const Scheduled scheduled(body, nullptr, 0);
     hdStartScheduler();
-    EXPECT_TRUE(until(*right_, [](const HandReport& r) { return std::abs(r.sent_force.y - 0.2) < 1e-9; }, [] {}));
-    EXPECT_TRUE(until(*left_, [](const HandReport& r) { return std::abs(r.sent_force.z - 0.3) < 1e-9; }, [] {}));
+    EXPECT_TRUE(until(
+        *right_, [](const HandReport& r) { return std::abs(r.sent_force.y - 0.2) < 1e-9; }, [] {}));
+    EXPECT_TRUE(until(
+        *left_, [](const HandReport& r) { return std::abs(r.sent_force.z - 0.3) < 1e-9; }, [] {}));
 }
 
 TEST_F(Hd, the_servo_is_killed_and_the_callbacks_go_on) {
@@ -367,7 +396,8 @@ TEST_F(Hd, the_servo_is_killed_and_the_callbacks_go_on) {
         EXPECT_EQ(program.worst, HDerror{HD_COMM_ERROR});
     }
     servo_.start();
-    EXPECT_TRUE(until(*right_, [](const HandReport& r) { return is_active(r) && r.sent_force.z > 0.09; }, [] {}));
+    EXPECT_TRUE(until(
+        *right_, [](const HandReport& r) { return is_active(r) && r.sent_force.z > 0.09; }, [] {}));
     hdStopScheduler();
 }
 

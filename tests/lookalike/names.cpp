@@ -1,10 +1,11 @@
 // Every documented name is there, and no other; whatever is not available says so.
 
 #include <array>
+#include <cctype>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <regex>
+#include <iterator>
 #include <set>
 #include <sstream>
 #include <string>
@@ -20,16 +21,22 @@ namespace {
 
 using Names = std::set<std::string>;
 
-/// The functions that one of the headers declares.
+bool in_a_name(char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
+}
+
+/// The functions that one of the headers declares: names of theirs that stand before a parenthesis.
 Names declared(const std::string& header) {
     std::ifstream file(std::string(KNURL_LOOKALIKE_SOURCES) + "/" + header);
     EXPECT_TRUE(file) << header;
+    const std::string text{std::istreambuf_iterator<char>(file), {}};
     Names names;
-    const std::regex function(R"(^[a-zA-Z].*\b((dhd|drd|hd)[A-Z]\w*)\()");
-    std::smatch found;
-    for (std::string line; std::getline(file, line);)
-        if (std::regex_search(line, found, function) && line.find("typedef") == std::string::npos)
-            names.insert(found[1]);
+    for (std::size_t end = text.find('('); end != std::string::npos; end = text.find('(', end + 1)) {
+        std::size_t begin = end;
+        while (begin > 0 && in_a_name(text[begin - 1])) --begin;
+        const std::string name = text.substr(begin, end - begin);
+        if (name.starts_with("dhd") || name.starts_with("drd") || name.starts_with("hd")) names.insert(name);
+    }
     return names;
 }
 
@@ -39,7 +46,8 @@ Names exported(const std::string& library) {
     if (pipe == nullptr) throw std::runtime_error(command);
     std::string text;
     std::array<char, 4096> some;
-    while (const std::size_t got = std::fread(some.data(), 1, some.size(), pipe)) text.append(some.data(), got);
+    while (const std::size_t got = std::fread(some.data(), 1, some.size(), pipe))
+        text.append(some.data(), got);
     ::pclose(pipe);
     std::istringstream lines(text);
     Names names;

@@ -33,7 +33,8 @@ inline std::string wandering_hand(const knurl::test::TempFolder& folder) {
 class Served : public ::testing::Test {
   protected:
     explicit Served(const std::string& right = "sim:cartesian3", const std::string& left = "sim:premium15")
-        : servo_({"--device", "right=" + right, "--device", "left=" + left, "--hand", wandering_hand(folder_)}) {
+        : servo_(
+              {"--device", "right=" + right, "--device", "left=" + left, "--hand", wandering_hand(folder_)}) {
         ::setenv("KNURL_AS_SERVO", "knurl:default", 1);
         ::setenv("KNURL_AS_DEVICES", "", 1);
         client_.emplace(connect_beside());

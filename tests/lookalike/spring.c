@@ -17,7 +17,8 @@ int main(int argc, char** argv) {
     printf("opened %s\n", dhdGetSystemName((char)device));
     fflush(stdout);
     while (!dhdKbHit()) {
-        if (dhdGetPosition(&x, &y, &z, -1) < 0 || dhdSetForce(-stiffness * x, -stiffness * y, -stiffness * z, -1) < 0) {
+        if (dhdGetPosition(&x, &y, &z, -1) < 0 ||
+            dhdSetForce(-stiffness * x, -stiffness * y, -stiffness * z, -1) < 0) {
             printf("lost: %s\n", dhdErrorGetLastStr());
             dhdClose(-1);
             return 4;

@@ -123,7 +123,8 @@ TEST_F(WithoutServo, an_error_belongs_to_the_thread_that_made_it) {
 TEST_F(WithoutServo, every_error_has_a_text) {
     for (int error = 0; error <= 22; ++error) EXPECT_STRNE(dhdErrorGetStr(error), "unknown error") << error;
     EXPECT_STREQ(dhdErrorGetStr(99), "unknown error");
-    for (const HDerror error : {HD_INVALID_ENUM, HD_BAD_HANDLE, HD_DEVICE_FAULT, HD_ILLEGAL_END, HD_SCHEDULER_FULL})
+    for (const HDerror error :
+         {HD_INVALID_ENUM, HD_BAD_HANDLE, HD_DEVICE_FAULT, HD_ILLEGAL_END, HD_SCHEDULER_FULL})
         EXPECT_STRNE(hdGetErrorString(error), "unknown error") << error;
     EXPECT_STREQ(hdGetErrorString(12345), "unknown error");
 }

@@ -303,8 +303,7 @@ Command::Answer Command::parse(int argc, const char* const* argv) {
     impl_->require_verbs(argc, argv);
     std::vector<std::string>* const words = impl_->wants_words(argc, argv);
     int end = argc;
-    if (words != nullptr)
-        end = static_cast<int>(std::find(argv, argv + argc, std::string_view("--")) - argv);
+    if (words != nullptr) end = static_cast<int>(std::find(argv, argv + argc, std::string_view("--")) - argv);
     try {
         impl_->app->parse(end, argv);
     } catch (const CLI::CallForVersion& version) {

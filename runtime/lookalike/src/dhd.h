@@ -19,12 +19,14 @@ int dhdConfigLinearVelocity(int, int, char);
 int dhdControllerSetDevice(int, char);
 int dhdDeltaEncoderToPosition(int, int, int, double*, double*, double*, char);
 int dhdDeltaEncodersToJointAngles(int, int, int, double*, double*, double*, char);
-int dhdDeltaForceToMotor(double, double, double, int, int, int, unsigned short*, unsigned short*, unsigned short*, char);
+int dhdDeltaForceToMotor(double, double, double, int, int, int, unsigned short*, unsigned short*,
+                         unsigned short*, char);
 int dhdDeltaGravityJointTorques(double, double, double, double*, double*, double*, char);
 int dhdDeltaJointAnglesToEncoders(double, double, double, int*, int*, int*, char);
 int dhdDeltaJointAnglesToJacobian(double, double, double, double*, char);
 int dhdDeltaJointTorquesExtrema(double, double, double, double*, double*, char);
-int dhdDeltaMotorToForce(unsigned short, unsigned short, unsigned short, int, int, int, double*, double*, double*, char);
+int dhdDeltaMotorToForce(unsigned short, unsigned short, unsigned short, int, int, int, double*, double*,
+                         double*, char);
 int dhdDeltaPositionToEncoder(double, double, double, int*, int*, int*, char);
 int dhdDisableExpertMode(void);
 int dhdEmulateButton(unsigned char, char);
@@ -140,7 +142,8 @@ int dhdSetForceAndGripperForce(double, double, double, double, char);
 int dhdSetForceAndTorque(double, double, double, double, double, double, char);
 int dhdSetForceAndTorqueAndGripperForce(double, double, double, double, double, double, double, char);
 int dhdSetForceAndWristJointTorques(double, double, double, double, double, double, char);
-int dhdSetForceAndWristJointTorquesAndGripperForce(double, double, double, double, double, double, double, char);
+int dhdSetForceAndWristJointTorquesAndGripperForce(double, double, double, double, double, double, double,
+                                                   char);
 int dhdSetGravityCompensation(unsigned char, char);
 int dhdSetGripperMotor(unsigned short, char);
 int dhdSetJointTorques(double*, unsigned char, char);
@@ -167,9 +170,11 @@ int dhdWristGravityJointTorques(double, double, double, double*, double*, double
 int dhdWristJointAnglesToEncoders(double, double, double, int*, int*, int*, char);
 int dhdWristJointAnglesToJacobian(double, double, double, double*, char);
 int dhdWristJointTorquesExtrema(double, double, double, double*, double*, char);
-int dhdWristMotorToTorque(unsigned short, unsigned short, unsigned short, int, int, int, double*, double*, double*, char);
+int dhdWristMotorToTorque(unsigned short, unsigned short, unsigned short, int, int, int, double*, double*,
+                          double*, char);
 int dhdWristOrientationToEncoder(double, double, double, int*, int*, int*, char);
-int dhdWristTorqueToMotor(double, double, double, int, int, int, unsigned short*, unsigned short*, unsigned short*, char);
+int dhdWristTorqueToMotor(double, double, double, int, int, int, unsigned short*, unsigned short*,
+                          unsigned short*, char);
 
 /* Of earlier versions, and what the newest bindings leave out. */
 int* dhdErrnoLocation(void);

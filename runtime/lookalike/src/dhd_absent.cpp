@@ -20,7 +20,8 @@ int dhdDeltaEncoderToPosition(int, int, int, double*, double*, double*, char) {
 int dhdDeltaEncodersToJointAngles(int, int, int, double*, double*, double*, char) {
     return not_available("dhdDeltaEncodersToJointAngles");
 }
-int dhdDeltaForceToMotor(double, double, double, int, int, int, unsigned short*, unsigned short*, unsigned short*, char) {
+int dhdDeltaForceToMotor(double, double, double, int, int, int, unsigned short*, unsigned short*,
+                         unsigned short*, char) {
     return not_available("dhdDeltaForceToMotor");
 }
 int dhdDeltaGravityJointTorques(double, double, double, double*, double*, double*, char) {
@@ -35,7 +36,8 @@ int dhdDeltaJointAnglesToJacobian(double, double, double, double*, char) {
 int dhdDeltaJointTorquesExtrema(double, double, double, double*, double*, char) {
     return not_available("dhdDeltaJointTorquesExtrema");
 }
-int dhdDeltaMotorToForce(unsigned short, unsigned short, unsigned short, int, int, int, double*, double*, double*, char) {
+int dhdDeltaMotorToForce(unsigned short, unsigned short, unsigned short, int, int, int, double*, double*,
+                         double*, char) {
     return not_available("dhdDeltaMotorToForce");
 }
 int dhdDeltaPositionToEncoder(double, double, double, int*, int*, int*, char) {
@@ -55,9 +57,6 @@ int dhdGetDeltaEncoders(int*, int*, int*, char) {
 }
 int dhdGetDeltaJacobian(double*, char) {
     return not_available("dhdGetDeltaJacobian");
-}
-int dhdGetEffectorMass(double*, char) {
-    return not_available("dhdGetEffectorMass");
 }
 int dhdGetEnc(int*, unsigned char, char) {
     return not_available("dhdGetEnc");
@@ -137,17 +136,12 @@ int dhdSetDeltaJointTorques(double, double, double, char) {
 int dhdSetDeltaMotor(unsigned short, unsigned short, unsigned short, char) {
     return not_available("dhdSetDeltaMotor");
 }
-int dhdSetEffectorMass(double, char) {
-    return not_available("dhdSetEffectorMass");
-}
 int dhdSetForceAndWristJointTorques(double, double, double, double, double, double, char) {
     return not_available("dhdSetForceAndWristJointTorques");
 }
-int dhdSetForceAndWristJointTorquesAndGripperForce(double, double, double, double, double, double, double, char) {
+int dhdSetForceAndWristJointTorquesAndGripperForce(double, double, double, double, double, double, double,
+                                                   char) {
     return not_available("dhdSetForceAndWristJointTorquesAndGripperForce");
-}
-int dhdSetGravityCompensation(unsigned char, char) {
-    return not_available("dhdSetGravityCompensation");
 }
 int dhdSetGripperMotor(unsigned short, char) {
     return not_available("dhdSetGripperMotor");
@@ -166,9 +160,6 @@ int dhdSetMotor(int, unsigned short, char) {
 }
 int dhdSetOutput(unsigned, char) {
     return not_available("dhdSetOutput");
-}
-int dhdSetStandardGravity(double, char) {
-    return not_available("dhdSetStandardGravity");
 }
 int dhdSetVelocityThreshold(unsigned, char) {
     return not_available("dhdSetVelocityThreshold");
@@ -203,13 +194,15 @@ int dhdWristJointAnglesToJacobian(double, double, double, double*, char) {
 int dhdWristJointTorquesExtrema(double, double, double, double*, double*, char) {
     return not_available("dhdWristJointTorquesExtrema");
 }
-int dhdWristMotorToTorque(unsigned short, unsigned short, unsigned short, int, int, int, double*, double*, double*, char) {
+int dhdWristMotorToTorque(unsigned short, unsigned short, unsigned short, int, int, int, double*, double*,
+                          double*, char) {
     return not_available("dhdWristMotorToTorque");
 }
 int dhdWristOrientationToEncoder(double, double, double, int*, int*, int*, char) {
     return not_available("dhdWristOrientationToEncoder");
 }
-int dhdWristTorqueToMotor(double, double, double, int, int, int, unsigned short*, unsigned short*, unsigned short*, char) {
+int dhdWristTorqueToMotor(double, double, double, int, int, int, unsigned short*, unsigned short*,
+                          unsigned short*, char) {
     return not_available("dhdWristTorqueToMotor");
 }
 int dhdResetWrist(char) {

@@ -56,6 +56,7 @@ int stop(char id) {
 }  // namespace knurl::lookalike::dhd
 
 using namespace knurl::lookalike::dhd;
+using knurl::lookalike::say_once;
 
 extern "C" {
 
@@ -74,8 +75,8 @@ int dhdSetForceAndGripperForce(double x, double y, double z, double gripper, cha
 int dhdSetForceAndGripperTorque(double x, double y, double z, double gripper, char id) {
     return set_force({x, y, z}, {}, gripper, id);
 }
-int dhdSetForceAndTorqueAndGripperForce(double x, double y, double z, double a, double b, double c, double gripper,
-                                        char id) {
+int dhdSetForceAndTorqueAndGripperForce(double x, double y, double z, double a, double b, double c,
+                                        double gripper, char id) {
     return set_force({x, y, z}, {a, b, c}, gripper, id);
 }
 
@@ -93,8 +94,8 @@ int dhdGetForceAndTorque(double* x, double* y, double* z, double* a, double* b, 
         return give(now.sent_torque, a, b, c), 0;
     });
 }
-int dhdGetForceAndTorqueAndGripperForce(double* x, double* y, double* z, double* a, double* b, double* c, double* gripper,
-                                        char id) {
+int dhdGetForceAndTorqueAndGripperForce(double* x, double* y, double* z, double* a, double* b, double* c,
+                                        double* gripper, char id) {
     if (gripper != nullptr) *gripper = 0;
     return dhdGetForceAndTorque(x, y, z, a, b, c, id);
 }
@@ -162,6 +163,30 @@ int dhdGetWatchdog(unsigned char* duration, char id) {
 }
 int dhdSetTimeGuard(int, char id) {
     return call([=] { return require_expert(), opened(id), 0; });  // dhdSetForce paces by itself
+}
+
+// What is done against gravity a driver does, whatever a program asks. Programs end where this fails.
+int dhdSetGravityCompensation(unsigned char, char id) {
+    say_once("gravity compensation is the device's own here: dhdSetGravityCompensation has no effect");
+    return call([=] { return opened(id), 0; });
+}
+int dhdSetStandardGravity(double g, char id) {
+    return call([=] {
+        if (!std::isfinite(g)) throw Refused{Code::invalid};
+        return opened(id), 0;
+    });
+}
+int dhdSetEffectorMass(double mass, char id) {
+    return call([=] {
+        if (!(mass >= 0)) throw Refused{Code::invalid};
+        return opened(id)->mass = mass, 0;
+    });
+}
+int dhdGetEffectorMass(double* mass, char id) {
+    return call([=] {
+        require(mass);
+        return *mass = opened(id)->mass, 0;
+    });
 }
 
 int dhdGetStatus(int* status, char id) {

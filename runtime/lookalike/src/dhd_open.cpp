@@ -92,9 +92,8 @@ int dhdOpenID(char id) {
 }
 int dhdOpenSerial(int serial) {
     return call([=] {
-        return open_that([=](const DeviceDescription& device, int number) {
-            return serial_of(device, number) == serial;
-        });
+        return open_that(
+            [=](const DeviceDescription& device, int number) { return serial_of(device, number) == serial; });
     });
 }
 int dhdOpenType(int type) {
@@ -165,7 +164,7 @@ int dhdGetComMode(char id) {
     constexpr int virtual_device = 3, network = 4;
     return call([=] {
         return opened(id)->hand.device().address.find("knurl://") == std::string::npos ? virtual_device
-                                                                                         : network;
+                                                                                       : network;
     });
 }
 

@@ -35,7 +35,8 @@ void give_matrix(const Quat& q, double* matrix) {
     for (std::size_t i = 0; i < 9; ++i) matrix[i] = rows[i / 3][i % 3];
 }
 
-int give_position_and_angles(double* x, double* y, double* z, double* a, double* b, double* c, double scale, char id) {
+int give_position_and_angles(double* x, double* y, double* z, double* a, double* b, double* c, double scale,
+                             char id) {
     return call([=] {
         require(x, y, z, a, b, c);
         const auto device = opened(id);
@@ -104,10 +105,12 @@ int dhdGetOrientationDeg(double* a, double* b, double* c, char id) {
 int dhdGetOrientationFrame(double* matrix, char id) {
     return call([=] { return give_matrix(axes.orientation(report(id).orientation), matrix), 0; });
 }
-int dhdGetPositionAndOrientationRad(double* x, double* y, double* z, double* a, double* b, double* c, char id) {
+int dhdGetPositionAndOrientationRad(double* x, double* y, double* z, double* a, double* b, double* c,
+                                    char id) {
     return give_position_and_angles(x, y, z, a, b, c, as_is, id);
 }
-int dhdGetPositionAndOrientationDeg(double* x, double* y, double* z, double* a, double* b, double* c, char id) {
+int dhdGetPositionAndOrientationDeg(double* x, double* y, double* z, double* a, double* b, double* c,
+                                    char id) {
     return give_position_and_angles(x, y, z, a, b, c, degrees, id);
 }
 int dhdGetPositionAndOrientationFrame(double* x, double* y, double* z, double* matrix, char id) {

@@ -177,7 +177,8 @@ void close_device(char id) {
     const std::size_t index = index_of(all, id);
     closing = std::exchange(all.devices[index], nullptr);
     if (all.chosen != static_cast<int>(index)) return;
-    const auto left = std::find_if(all.devices.begin(), all.devices.end(), [](const auto& d) { return d != nullptr; });
+    const auto left =
+        std::find_if(all.devices.begin(), all.devices.end(), [](const auto& d) { return d != nullptr; });
     all.chosen = left == all.devices.end() ? -1 : static_cast<int>(left - all.devices.begin());
 }
 

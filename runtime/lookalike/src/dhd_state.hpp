@@ -47,6 +47,7 @@ struct Opened {
     std::atomic<double> most_force{-1}, most_torque{-1};
     std::atomic<int> watchdog{0};  // as it was set, in units of 125 us
     std::atomic<bool> brakes{false};
+    std::atomic<double> mass{0};  // of what is at the tip, as the program says (kg)
 };
 
 inline constexpr int most_devices = 16;

@@ -1,9 +1,10 @@
 // The robotic half of the interface: where the hand is, and forces, work as by dhd*. Its regulation, a position loop in
 // the program's process, is never started.
 
+#include "drd.h"
+
 #include "dhd.h"
 #include "dhd_state.hpp"
-#include "drd.h"
 
 namespace {
 
@@ -55,19 +56,20 @@ int drdAutoInit(char id) {
 int drdCheckInit(char id) {
     return dhdWaitForReset(0, id);
 }
-int drdGetPositionAndOrientation(double* x, double* y, double* z, double* a, double* b, double* c, double* gripper,
-                                 double* matrix, char id) {
+int drdGetPositionAndOrientation(double* x, double* y, double* z, double* a, double* b, double* c,
+                                 double* gripper, double* matrix, char id) {
     if (gripper != nullptr) *gripper = 0;
     const int got = dhdGetPositionAndOrientationFrame(x, y, z, matrix, id);
     return got < 0 ? got : dhdGetOrientationRad(a, b, c, id);
 }
-int drdGetVelocity(double* x, double* y, double* z, double* a, double* b, double* c, double* gripper, char id) {
+int drdGetVelocity(double* x, double* y, double* z, double* a, double* b, double* c, double* gripper,
+                   char id) {
     if (gripper != nullptr) *gripper = 0;
     const int got = dhdGetLinearVelocity(x, y, z, id);
     return got < 0 ? got : dhdGetAngularVelocityRad(a, b, c, id);
 }
-int drdSetForceAndTorqueAndGripperForce(double x, double y, double z, double a, double b, double c, double gripper,
-                                        char id) {
+int drdSetForceAndTorqueAndGripperForce(double x, double y, double z, double a, double b, double c,
+                                        double gripper, char id) {
     return dhdSetForceAndTorqueAndGripperForce(x, y, z, a, b, c, gripper, id);
 }
 double drdGetCtrlFreq(char) {
@@ -212,7 +214,8 @@ int drdGetPriorities(int*, int*, char) {
 int drdPrecisionInit(char) {
     return not_available("drdPrecisionInit");
 }
-int drdSetForceAndWristJointTorquesAndGripperForce(double, double, double, double, double, double, double, char) {
+int drdSetForceAndWristJointTorquesAndGripperForce(double, double, double, double, double, double, double,
+                                                   char) {
     return not_available("drdSetForceAndWristJointTorquesAndGripperForce");
 }
 int drdSetPriorities(int, int, char) {

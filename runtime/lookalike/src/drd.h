@@ -27,7 +27,8 @@ int drdGetGripTrackParam(double*, double*, double*, char);
 double drdGetMotRatioMax(char);
 int drdGetPosMoveParam(double*, double*, double*, char);
 int drdGetPosTrackParam(double*, double*, double*, char);
-int drdGetPositionAndOrientation(double*, double*, double*, double*, double*, double*, double*, double*, char);
+int drdGetPositionAndOrientation(double*, double*, double*, double*, double*, double*, double*, double*,
+                                 char);
 int drdGetPriorities(int*, int*, char);
 int drdGetRotMoveParam(double*, double*, double*, char);
 int drdGetRotTrackParam(double*, double*, double*, char);
@@ -58,7 +59,8 @@ int drdSetEncMoveParam(double, double, double, char);
 int drdSetEncPGain(double, char);
 int drdSetEncTrackParam(double, double, double, char);
 int drdSetForceAndTorqueAndGripperForce(double, double, double, double, double, double, double, char);
-int drdSetForceAndWristJointTorquesAndGripperForce(double, double, double, double, double, double, double, char);
+int drdSetForceAndWristJointTorquesAndGripperForce(double, double, double, double, double, double, double,
+                                                   char);
 int drdSetGripMoveParam(double, double, double, char);
 int drdSetGripTrackParam(double, double, double, char);
 int drdSetMotRatioMax(double, char);

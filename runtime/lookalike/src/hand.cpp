@@ -72,9 +72,7 @@ Pushed Hand::push(const Vec3& force, const Vec3& torque) {
     // A loop that keeps pace with the servo is felt as it is: a fade would be a delay more. A slower one would be felt
     // as steps, which the servo smooths as for every application.
     constexpr double keeps_pace = 1.7;  // periods
-    set({.force = force,
-         .torque = torque,
-         .recovery = since * device_.rate < keeps_pace ? 0 : automatic},
+    set({.force = force, .torque = torque, .recovery = since * device_.rate < keeps_pace ? 0 : automatic},
         lock);
     const bool nothing = force == Vec3{} && torque == Vec3{};
     if (!nothing && !held_) changed_.notify_all();

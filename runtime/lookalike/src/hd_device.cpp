@@ -33,7 +33,7 @@ void begin(HHD handle) {
     // Two callbacks of a turn see one state of the device, and the second adds to the first one's force.
     if (device->any_frame && device->tick == now) return;
     device->last = device->now;
-    device->now = {.report = *newest, .force = {}, .torque = {}};
+    device->now = {.report = *newest, .force = {}, .torque = {}, .commanded = false};
     device->any_frame = true;
     device->tick = now;
 }
@@ -46,8 +46,12 @@ void end(HHD handle) {
         if (device->open_frames == 0) throw Refused{HD_ILLEGAL_END};
         if (--device->open_frames > 0) return;
         if ((device->enabled & bit_of(HD_FORCE_OUTPUT)) == 0) return;
-        force = back.direction(device->now.force);
-        const Vec3 turned = back.axial(device->now.torque);
+        if (device->now.commanded) {
+            device->held_force = device->now.force;
+            device->held_torque = device->now.torque;
+        }
+        force = back.direction(device->held_force);
+        const Vec3 turned = back.axial(device->held_torque);
         torque = {newton_metre * turned.x, newton_metre * turned.y, newton_metre * turned.z};
     }
     if (device->hand.push(force, torque) == Pushed::not_armed && device->hand.force_allowed())
@@ -60,6 +64,7 @@ void enable(HDenum capability, bool on) {
     {
         const std::lock_guard lock(device->mutex);
         device->enabled = on ? device->enabled | bit : device->enabled & ~bit;
+        if (capability == HD_FORCE_OUTPUT && !on) device->held_force = device->held_torque = {};
     }
     if (capability != HD_FORCE_OUTPUT) return;
     device->hand.allow_force(on);

@@ -89,7 +89,8 @@ class Scheduler {
         const double device = clock ? clock->hand.device().rate : 1000;
         const double every = rate == 0 ? 0 : std::round(device / static_cast<double>(rate));
         constexpr double near = 0.01;
-        if (every < 1 || std::abs(device / every - static_cast<double>(rate)) > near * static_cast<double>(rate)) {
+        if (every < 1 ||
+            std::abs(device / every - static_cast<double>(rate)) > near * static_cast<double>(rate)) {
             say_once("hdSetSchedulerRate(" + std::to_string(rate) + "): the device runs at " +
                      std::to_string(std::lround(device)) + " Hz; give that, or a whole part of it");
             throw Refused{HD_INVALID_VALUE};
@@ -108,7 +109,8 @@ class Scheduler {
 
   private:
     std::list<Entry>::iterator find(HDSchedulerHandle handle) {
-        return std::find_if(entries_.begin(), entries_.end(), [=](const Entry& e) { return e.handle == handle; });
+        return std::find_if(entries_.begin(), entries_.end(),
+                            [=](const Entry& e) { return e.handle == handle; });
     }
     void join(std::unique_lock<std::mutex>& lock) {
         if (!thread_.joinable()) return;
@@ -205,7 +207,8 @@ void hdSetSchedulerRate(HDulong rate) {
     call([=] { Scheduler::the().set_rate(rate); });
 }
 HDSchedulerHandle hdScheduleAsynchronous(HDSchedulerCallback callback, void* data, HDushort priority) {
-    return call([=] { return Scheduler::the().add(callback, data, priority); }, HDSchedulerHandle{HD_INVALID_HANDLE});
+    return call([=] { return Scheduler::the().add(callback, data, priority); },
+                HDSchedulerHandle{HD_INVALID_HANDLE});
 }
 // Not through call(): a callback may unwind its thread.
 void hdScheduleSynchronous(HDSchedulerCallback callback, void* data, HDushort priority) {
@@ -224,7 +227,8 @@ HDboolean hdWaitForCompletion(HDSchedulerHandle handle, HDenum code) {
     return call(
         [=] {
             if (code > HD_WAIT_INFINITE) throw Refused{HD_INVALID_ENUM};
-            return static_cast<HDboolean>(Scheduler::the().scheduled(handle, code == HD_WAIT_INFINITE) ? 1 : 0);
+            return static_cast<HDboolean>(Scheduler::the().scheduled(handle, code == HD_WAIT_INFINITE) ? 1
+                                                                                                       : 0);
         },
         HDboolean{0});
 }

@@ -43,7 +43,8 @@ std::string small(std::string text) {
 /// "Default Device", "Default PHANToM", "" and null mean the first one; "Left Device" is also the device `left`.
 bool means(const std::string& said, const Place& place) {
     const std::string wanted = small(said), name = small(place.device);
-    return wanted == name || wanted == name + " device" || said == place.servo + "/" + place.device;
+    return wanted == name || wanted == name + " device" ||
+           (!place.alias.empty() && wanted == small(place.alias)) || said == place.servo + "/" + place.device;
 }
 
 std::size_t find_place(const std::vector<Place>& known, const char* said) {
@@ -55,7 +56,9 @@ std::size_t find_place(const std::vector<Place>& known, const char* said) {
         if (means(name, known[i])) return i;
         names += (names.empty() ? "" : ", ") + known[i].device;
     }
-    throw Error(Error::Kind::no_such_device, "there is no device '" + name + "'; there are: " + names);
+    throw Error(Error::Kind::no_such_device, "there is no device '" + name + "'; there are: " + names +
+                                                 "; knurl as hd --device '" + name + "=" + known[0].device +
+                                                 "' gives one that name");
 }
 
 HDerror code_of(Error::Kind kind) noexcept {

@@ -19,8 +19,9 @@ inline constexpr HHD most_devices = 16;
 /// What a frame began with.
 struct Frame {
     HandReport report;
-    Vec3 force;   // on the hand, as the program sets it: N, their axes
+    Vec3 force;   // on the hand, as the program has set it since the turn began: N, their axes
     Vec3 torque;  // mN m
+    bool commanded = false;
 };
 
 /// A device that the program has initialised. Its frames belong to one thread at a time, by their interface's own rule;
@@ -33,6 +34,8 @@ struct Device {
     std::mutex mutex;  // for all below
     Frame now, last;
     bool any_frame = false;
+    // As it was commanded last: a frame that commands nothing leaves it as it is.
+    Vec3 held_force, held_torque;
     int open_frames = 0;
     std::uint64_t tick = 0;  // of the newest frame
     std::uint32_t enabled = 0;

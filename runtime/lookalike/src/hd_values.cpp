@@ -16,8 +16,8 @@ namespace knurl::lookalike::hd {
 namespace {
 
 constexpr gateway::Axes axes = gateway::frames::openhaptics;
-constexpr double mm = 1000;         // a metre
-constexpr double per_mm = 1e-3;     // N/m in N/mm
+constexpr double mm = 1000;          // a metre
+constexpr double per_mm = 1e-3;      // N/m in N/mm
 constexpr double millinewton = 1e3;  // N m in mN m
 
 /// What one name gives: at most a matrix.
@@ -89,7 +89,8 @@ std::optional<Values> of_frame(HDenum name, const Frame& frame, const DeviceDesc
         case HD_CURRENT_JOINT_ANGLES:
             return Values(Vec3{r.joints[0], r.joints[1], r.joints[2]});
         case HD_CURRENT_GIMBAL_ANGLES:
-            return device.senses_orientation ? Values(Vec3{r.joints[3], r.joints[4], r.joints[5]}) : Values(Vec3{});
+            return device.senses_orientation ? Values(Vec3{r.joints[3], r.joints[4], r.joints[5]})
+                                             : Values(Vec3{});
         case HD_CURRENT_FORCE:
             return Values(frame.force);
         case HD_CURRENT_TORQUE:
@@ -157,11 +158,14 @@ std::optional<Values> of_device(HDenum name, const Device& device) {
 
 /// Known to the interface; unknown here: encoders, pinch, Jacobians, motors.
 bool is_absent(HDenum name) {
-    constexpr HDenum absent[] = {
-        HD_CURRENT_ENCODER_VALUES, HD_LAST_ENCODER_VALUES,  HD_CURRENT_PINCH_VALUE,         HD_LAST_PINCH_VALUE,
-        HD_CURRENT_JACOBIAN,       HD_LAST_JACOBIAN,        HD_MOTOR_TEMPERATURE,           HD_JOINT_ANGLE_REFERENCES,
-        HD_CURRENT_JOINT_TORQUE,   HD_CURRENT_GIMBAL_TORQUE, HD_LAST_JOINT_TORQUE,          HD_LAST_GIMBAL_TORQUE,
-        HD_USER_STATUS_LIGHT,      HD_NOMINAL_MAX_TORQUE_STIFFNESS, HD_NOMINAL_MAX_TORQUE_DAMPING};
+    constexpr HDenum absent[] = {HD_CURRENT_ENCODER_VALUES,    HD_LAST_ENCODER_VALUES,
+                                 HD_CURRENT_PINCH_VALUE,       HD_LAST_PINCH_VALUE,
+                                 HD_CURRENT_JACOBIAN,          HD_LAST_JACOBIAN,
+                                 HD_MOTOR_TEMPERATURE,         HD_JOINT_ANGLE_REFERENCES,
+                                 HD_CURRENT_JOINT_TORQUE,      HD_CURRENT_GIMBAL_TORQUE,
+                                 HD_LAST_JOINT_TORQUE,         HD_LAST_GIMBAL_TORQUE,
+                                 HD_USER_STATUS_LIGHT,         HD_NOMINAL_MAX_TORQUE_STIFFNESS,
+                                 HD_NOMINAL_MAX_TORQUE_DAMPING};
     return std::find(std::begin(absent), std::end(absent), name) != std::end(absent);
 }
 
@@ -228,9 +232,11 @@ void set(HDenum name, const T* in) {
         switch (name) {
             case HD_CURRENT_FORCE:
                 device->now.force = {number(0), number(1), number(2)};
+                device->now.commanded = true;
                 break;
             case HD_CURRENT_TORQUE:
                 device->now.torque = {number(0), number(1), number(2)};
+                device->now.commanded = true;
                 break;
             case HD_SOFTWARE_VELOCITY_LIMIT:
                 device->velocity_limit = number(0);

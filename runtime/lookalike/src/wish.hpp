@@ -10,9 +10,10 @@ namespace knurl::lookalike {
 struct Place {
     std::string servo;
     std::string device;
+    std::string alias{};  // what the program calls it, beside its own name
 };
 
-/// The devices that KNURL_AS_DEVICES names ("[SERVO/]DEVICE", with commas between), in that order. Names it none: all
+/// The devices that KNURL_AS_DEVICES names ("[NAME=][SERVO/]DEVICE", with commas between), in that order. Names it none: all
 /// devices of the servo KNURL_AS_SERVO ("knurl:default"). Throws Error.
 std::vector<Place> places();
 
