@@ -34,5 +34,6 @@ int main(int argc, char** argv) {
     knurl::cli::add_web(program);
     knurl::cli::add_devices(program);
     knurl::cli::add_device(program);
+    knurl::cli::add_as(program);
     return knurl::commandline::run(program, argc, argv);
 }

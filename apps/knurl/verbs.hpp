@@ -14,6 +14,7 @@ using namespace view;
 /// The servo named by --servo. Throws UsageError.
 protocol::ServoAddress servo_said(const std::string& said);
 
+void add_as(commandline::Command& program);
 void add_ls(commandline::Command& program);
 void add_eval(commandline::Command& program);
 void add_latency(commandline::Command& program);

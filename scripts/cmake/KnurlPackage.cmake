@@ -1,9 +1,10 @@
-# `cpack` in a build folder makes six packages of Debian's, under /usr:
+# `cpack` in a build folder makes seven packages of Debian's, under /usr:
 #   libknurl0          the client for C and what calls C
 #   libknurl-offline0  the servo's cycle in a process of one's own, likewise
 #   python3-knurl      the same for Python
 #   libknurl-dev   headers, static libraries, find_package and pkg-config, examples
 #   knurl-server   knurld, knurl-bridge, their units, the udev rules, user and group, arms
+#   knurl-lookalikes   libraries with the names of vendors' libraries, for `knurl as`: apart, so that who has the vendors' is not given ours
 #   knurl-tools    knurl, knurl-web, and the demonstration programs with the scripts that draw what they measured
 # A component of the installation is a package; each thing says where it is installed to which it belongs.
 
@@ -16,11 +17,11 @@ set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_COMPONENTS_GROUPING IGNORE)
-set(CPACK_COMPONENTS_ALL libknurl-dev libknurl0 libknurl-offline0 python3-knurl knurl-server knurl-tools)
+set(CPACK_COMPONENTS_ALL libknurl-dev libknurl0 libknurl-offline0 python3-knurl knurl-server knurl-tools knurl-lookalikes)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
-foreach(package LIBKNURL-DEV LIBKNURL0 LIBKNURL-OFFLINE0 PYTHON3-KNURL KNURL-SERVER KNURL-TOOLS)
+foreach(package LIBKNURL-DEV LIBKNURL0 LIBKNURL-OFFLINE0 PYTHON3-KNURL KNURL-SERVER KNURL-TOOLS KNURL-LOOKALIKES)
     string(TOLOWER ${package} CPACK_DEBIAN_${package}_PACKAGE_NAME)
     set(CPACK_DEBIAN_${package}_PACKAGE_SECTION science)
     # All was one package once.
@@ -101,7 +102,7 @@ give the group haptics the devices.")
 
 # They start servers of their own, and a server of another build refuses them.
 set(CPACK_DEBIAN_KNURL-TOOLS_PACKAGE_DEPENDS "knurl-server (= ${PROJECT_VERSION}), python3")
-set(CPACK_DEBIAN_KNURL-TOOLS_PACKAGE_SUGGESTS "python3-matplotlib, python3-numpy, python3-pil")
+set(CPACK_DEBIAN_KNURL-TOOLS_PACKAGE_SUGGESTS "knurl-lookalikes, python3-matplotlib, python3-numpy, python3-pil")
 set(CPACK_DEBIAN_KNURL-TOOLS_DESCRIPTION "haptics server for Linux - tools
 Knurl owns force-feedback devices and runs their loops at 1 kHz or more;
 applications describe what the hand should feel and read where it is, through
@@ -111,6 +112,17 @@ This package has knurl, which lists, records, replays, measures and tests
 servers and devices, knurl-web, which shows them in a browser, and programs
 that put a relief, a mesh, an atom of a running simulation or rigid bodies in
 the hand.")
+
+# They speak to a server of the same build, and `knurl as` finds them.
+set(CPACK_DEBIAN_KNURL-LOOKALIKES_PACKAGE_DEPENDS "knurl-tools (= ${PROJECT_VERSION})")
+set(CPACK_DEBIAN_KNURL-LOOKALIKES_DESCRIPTION "haptics server for Linux - programs for other libraries
+Knurl owns force-feedback devices and runs their loops at 1 kHz or more;
+applications describe what the hand should feel and read where it is, through
+shared memory.
+
+This package has libraries with the functions of Force Dimension's libdhd and
+libdrd and of OpenHaptics' libHD, by which programs that were written for those
+run on Knurl's devices: knurl as dhd -- program. It has no code of these makers.")
 
 set(CPACK_DEBIAN_KNURL-SERVER_PACKAGE_CONTROL_EXTRA ${CMAKE_CURRENT_LIST_DIR}/deb/knurl-server/postinst
     ${CMAKE_CURRENT_LIST_DIR}/deb/knurl-server/prerm ${CMAKE_CURRENT_LIST_DIR}/deb/knurl-server/postrm)

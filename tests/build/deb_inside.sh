@@ -26,11 +26,11 @@ cmake -S "$work" -B "$work/build" >"$work/log" 2>&1 && cmake --build "$work/buil
 g++ -std=c++20 "$work/main.cpp" -o "$work/by-pkg-config" $(pkg-config --cflags --libs knurl)
 
 echo "== install: knurl-server and knurl-tools"
-install "$packages"/knurl-server_*.deb "$packages"/knurl-tools_*.deb
+install "$packages"/knurl-server_*.deb "$packages"/knurl-tools_*.deb "$packages"/knurl-lookalikes_*.deb
 for user in knurl knurl-bridge; do getent passwd "$user" >/dev/null || fail "there is no user $user"; done
 id --name --groups knurl-bridge | grep -qw haptics || fail "the bridge may not reach the servo's socket"
 getent group haptics >/dev/null || fail "there is no group haptics"
-for package in libknurl-dev libknurl0 libknurl-offline0 knurl-server knurl-tools; do
+for package in libknurl-dev libknurl0 libknurl-offline0 knurl-server knurl-tools knurl-lookalikes; do
     grep -q 'Boost Software License' "/usr/share/doc/$package/copyright" || fail "$package comes without its licence"
 done
 
@@ -85,7 +85,7 @@ grep -q '^try-restart knurld.service knurl-bridge.service$' /tmp/systemctl || fa
 
 echo "== remove: stopped, no link to what is gone, the configuration stays"
 : >/tmp/systemctl
-apt-get remove -y -qq knurl-server knurl-tools libknurl-dev python3-knurl libknurl0 libknurl-offline0 >/tmp/apt.log 2>&1 || { cat /tmp/apt.log; fail "apt-get remove failed"; }
+apt-get remove -y -qq knurl-server knurl-tools knurl-lookalikes libknurl-dev python3-knurl libknurl0 libknurl-offline0 >/tmp/apt.log 2>&1 || { cat /tmp/apt.log; fail "apt-get remove failed"; }
 cat /tmp/systemctl
 grep -q '^stop knurl-bridge.service knurld.service$' /tmp/systemctl || fail "a removal does not stop the services"
 [[ ! -L /etc/systemd/system/multi-user.target.wants/knurld.service ]] || fail "a removal leaves the service enabled"

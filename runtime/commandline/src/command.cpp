@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <list>
 #include <sstream>
+#include <string_view>
 
 #include <CLI/CLI.hpp>
 
@@ -180,7 +181,15 @@ struct Command::Impl {
     std::list<Option> options;
     std::list<std::unique_ptr<Command>> verbs;
     std::function<int()> work;
+    std::vector<std::string>* behind_dashes = nullptr;
 
+    /// Of the verb that the words from `at` on begin with.
+    std::vector<std::string>* wants_words(int argc, const char* const* argv, int at = 1) const {
+        for (const auto& verb : verbs)
+            if (at < argc && verb->impl_->app->get_name() == argv[at])
+                return verb->impl_->wants_words(argc, argv, at + 1);
+        return behind_dashes;
+    }
     /// The innermost chosen verb, or this command.
     const Impl& chosen() const {
         for (const auto& verb : verbs)
@@ -258,6 +267,11 @@ Option& Command::servo(std::string& to, const std::string& help) {
     return option("--servo", to, help).type_name("NAME").formerly("--connect");
 }
 
+Command& Command::words_behind_dashes(std::vector<std::string>& to) {
+    impl_->behind_dashes = &to;
+    return *this;
+}
+
 Command& Command::verb(const std::string& name, const std::string& purpose) {
     auto impl = std::make_unique<Impl>();
     impl->app = impl_->app->add_subcommand(name, purpose);
@@ -287,8 +301,11 @@ Command& Command::action(std::function<int()> work) {
 
 Command::Answer Command::parse(int argc, const char* const* argv) {
     impl_->require_verbs(argc, argv);
+    std::vector<std::string>* const words = impl_->wants_words(argc, argv);
+    int end = argc;
+    if (words != nullptr) end = static_cast<int>(std::find(argv, argv + argc, std::string_view("--")) - argv);
     try {
-        impl_->app->parse(argc, argv);
+        impl_->app->parse(end, argv);
     } catch (const CLI::CallForVersion& version) {
         std::printf("%s\n", version.what());
         return Answer::nothing;
@@ -301,6 +318,12 @@ Command::Answer Command::parse(int argc, const char* const* argv) {
         throw UsageError((slip.empty() ? error.what() : slip) + chosen.see_help());
     }
     impl_->chosen().require_once();
+    if (words == nullptr) return Answer::work;
+    if (end + 1 < argc)
+        words->assign(argv + end + 1, argv + argc);
+    else
+        throw UsageError("which program? It stands behind --: " + impl_->chosen().path() +
+                         " -- PROGRAM [ARGUMENT ...]" + impl_->chosen().see_help());
     return Answer::work;
 }
 

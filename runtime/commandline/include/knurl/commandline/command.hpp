@@ -106,6 +106,8 @@ class Command {
     /// --servo, spelled alike by all programs: "default", "knurl:default", a socket's path, and where the
     /// help says so knurl://HOST:PORT.
     Option& servo(std::string& to, const std::string& help);
+    /// All words behind "--" go into `to`, as they are: a program and its arguments. One must be there.
+    Command& words_behind_dashes(std::vector<std::string>& to);
     /// Adds a verb: knurl VERB. Verbs may have verbs.
     Command& verb(const std::string& name, const std::string& purpose);
     /// One of the verbs must be given.
