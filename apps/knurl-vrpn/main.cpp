@@ -21,7 +21,7 @@ struct CommandLine {
     std::string servo = "default";
     std::string listen = "127.0.0.1:3883";
     std::vector<std::string> senders, peers, force_peers;
-    std::string axes = "phantom", recovery = "fade";
+    std::string axes = "phantom", recovery = "last-depth";
     double rate = 1000, silent_after = 0;
     int buttons = 8;
 };
@@ -131,11 +131,10 @@ int main(int argc, char** argv) {
         .one_of({"phantom", "knurl"})
         .shows_default();
     app.option("--recovery", said.recovery,
-               "How a plane that changes reaches the hand within a client's recovery time. fade: its force "
-               "is cross-faded; "
-               "paper: it is lowered to the hand, then raised; last-depth: it starts with the last depth, as "
-               "VRPN's own")
-        .one_of({"fade", "paper", "last-depth"})
+               "How a plane that changes reaches the hand within a client's recovery time. last-depth: it starts "
+               "with the last depth, as VRPN's own; fade: its force is cross-faded; paper: it is lowered to the "
+               "hand, then raised")
+        .one_of({"last-depth", "fade", "paper"})
         .shows_default();
     app.option("--rate", said.rate, "Most reports a second to a client (Hz); 0: each report of the servo")
         .not_negative()

@@ -4,8 +4,8 @@
 #   python3-knurl      the same for Python
 #   libknurl-dev   headers, static libraries, find_package and pkg-config, examples
 #   knurl-server   knurld, knurl-bridge, their units, the udev rules, user and group, arms
+#   knurl-tools    knurl, knurl-web, knurl-vrpn, and the demonstration programs with the scripts that draw what they measured
 #   knurl-lookalikes   libraries with the names of vendors' libraries, for `knurl as`: apart, so that who has the vendors' is not given ours
-#   knurl-tools    knurl, knurl-web, and the demonstration programs with the scripts that draw what they measured
 # A component of the installation is a package; each thing says where it is installed to which it belongs.
 
 set(CPACK_GENERATOR DEB)
@@ -109,7 +109,8 @@ applications describe what the hand should feel and read where it is, through
 shared memory.
 
 This package has knurl, which lists, records, replays, measures and tests
-servers and devices, knurl-web, which shows them in a browser, and programs
+servers and devices, knurl-web, which shows them in a browser, knurl-vrpn,
+which serves them to programs that speak VRPN, and programs
 that put a relief, a mesh, an atom of a running simulation or rigid bodies in
 the hand.")
 

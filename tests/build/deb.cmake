@@ -31,7 +31,7 @@ set(tools_pages "")
 if(HELP2MAN)
     set(server_pages share/man/man1/knurld.1.gz share/man/man1/knurl-bridge.1.gz share/man/man1/knurl-bridge-keygen.1.gz)
     set(tools_pages share/man/man1/knurl.1.gz share/man/man1/knurl-ls.1.gz share/man/man1/knurl-device-check.1.gz
-                    share/man/man1/knurl-feel.1.gz share/man/man1/knurl-web.1.gz)
+                    share/man/man1/knurl-feel.1.gz share/man/man1/knurl-web.1.gz share/man/man1/knurl-vrpn.1.gz)
 endif()
 holds(knurl-server ${server_pages} share/bash-completion/completions/knurld share/zsh/vendor-completions/_knurl-bridge bin/knurld bin/knurl-bridge lib/systemd/system/knurld.service lib/systemd/system/knurl-bridge.service
       lib/udev/rules.d/70-knurl.rules lib/sysusers.d/knurl.conf lib/knurl/knurld-stop-post share/knurl/knurld.toml)
@@ -44,7 +44,7 @@ if(NOT unit MATCHES "ExecStart=/usr/bin/knurld --config /etc/knurl/knurld.toml")
 endif()
 run("the program in it" ${WORK}/tree/knurl-server/usr/bin/knurld --version)
 
-holds(knurl-tools ${tools_pages} share/bash-completion/completions/knurl share/zsh/vendor-completions/_knurl bin/knurl bin/knurl-web bin/knurl-surface bin/knurl-feel bin/knurl-dock bin/knurl-bodies
+holds(knurl-tools ${tools_pages} share/bash-completion/completions/knurl share/zsh/vendor-completions/_knurl bin/knurl bin/knurl-web bin/knurl-vrpn bin/knurl-surface bin/knurl-feel bin/knurl-dock bin/knurl-bodies
       share/knurl/scripts/plot_surface.py share/knurl/scripts/pictures.py)
 if(NOT depends MATCHES "knurl-server \\(= ")
     message(FATAL_ERROR "knurl-tools takes any server: ${depends}")

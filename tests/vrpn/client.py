@@ -129,7 +129,7 @@ class Client:
         head = struct.unpack(">IiiiiI", self._exactly(24))
         return self._take(head, self._exactly(padded)[:payload])
 
-    def _messages(self):
+    def messages(self):
         """What comes within 50 ms, by TCP first. EOFError: the server has closed."""
         one = self._whole()
         if one:
@@ -169,7 +169,7 @@ class Client:
         """Reads until seen(name, payload) gives something for a message, and returns that. None: patience is over."""
         end = time.monotonic() + PATIENCE
         while time.monotonic() < end:
-            for each in self._messages():
+            for each in self.messages():
                 found = seen(*each)
                 if found is not None and found is not False:
                     return found

@@ -163,6 +163,7 @@ TEST(VrpnSession, a_plane_is_a_plane_in_the_devices_frame) {
     EXPECT_NEAR(plane.friction.dynamic, 0.2, 1e-6);
     EXPECT_NEAR(plane.friction.static_, 0.4, 1e-6);
     EXPECT_NEAR(plane.recovery, 0.03, 1e-12) << "30 cycles of 1 ms";
+    EXPECT_EQ(plane.update, PlaneUpdate::last_depth);
     EXPECT_EQ(client.around.told.sent, 1);
     client.plane({1, 0, 0, 0, 0.25f, 0, 0, 0}, 3);
     EXPECT_EQ(client.around.told.get<Plane>("plane 3").normal, (Vec3{0, 1, 0})) << "right";
@@ -170,6 +171,13 @@ TEST(VrpnSession, a_plane_is_a_plane_in_the_devices_frame) {
     EXPECT_TRUE(client.around.told.items.empty()) << "all zero stops it";
     EXPECT_EQ(client.around.told.calls,
               (std::vector<std::string>{"add plane 3", "set plane 3", "remove plane 3"}));
+}
+
+TEST(VrpnSession, a_plane_without_a_recovery_time_is_faded) {
+    FakeClient client;
+    client.plane({0, 1, 0, 0, 1, 0, 0, 0}, 0, 0);
+    EXPECT_EQ(client.around.told.get<Plane>("plane 0").update, PlaneUpdate::fade);
+    EXPECT_EQ(client.around.told.get<Plane>("plane 0").recovery, 0);
 }
 
 TEST(VrpnSession, a_stiffness_above_one_is_the_largest) {

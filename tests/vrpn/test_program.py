@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """knurl-vrpn beside a knurld with a simulated hand that can be moved, and clients of client.py.
 
-    tests/vrpn/test_program.py --knurld PROGRAM --knurl-vrpn PROGRAM [unittest's arguments]
+    tests/vrpn/test_program.py --knurld PROGRAM --knurl-vrpn PROGRAM --knurl PROGRAM [unittest's arguments]
 """
 
 import argparse
@@ -179,6 +179,20 @@ class Reports(Served):
         self.assertEqual(struct.unpack(">i", client.wait("force_error"))[0], 3)
         for _ in range(100):
             self.assertEqual(client.force(), (0, 0, 0))
+
+    def test_the_servo_has_nothing_to_do_while_nobody_is_connected(self):
+        """No client, no observer: nothing that a cycle would wake or look at."""
+        def listed():
+            return "knurl-vrpn observes" in subprocess.run([PROGRAMS.knurl, "ls"], capture_output=True, text=True, env=self.environment, check=False).stdout
+
+        self.assertFalse(listed())
+        client = self.connected()
+        client.wait("pose")
+        self.assertTrue(listed())
+        client.close()
+        end = time.monotonic() + PATIENCE
+        while listed():
+            self.assertLess(time.monotonic(), end)
 
     def test_two_clients_and_many_get_reports(self):
         clients = [self.connected(tcp=bool(i % 2)) for i in range(8)]
@@ -573,5 +587,6 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(add_help=False)
     parser.add_argument("--knurld", required=True)
     parser.add_argument("--knurl-vrpn", required=True)
+    parser.add_argument("--knurl", required=True)
     PROGRAMS, rest = parser.parse_known_args()
     unittest.main(argv=[sys.argv[0], *rest], verbosity=2)

@@ -108,7 +108,8 @@ Outcome Commands::plane(std::span<const std::byte> payload, double max_stiffness
     plane.stiffness = std::min(1.0, double{m->stiffness}) * max_stiffness;
     plane.damping = mapping_.damping_unit * double{m->damping};
     plane.recovery = 1e-3 * m->recovery;
-    plane.update = mapping_.update;
+    // At once, too, a surface rises under the hand no faster than the scene allows; only a fade knows of that.
+    plane.update = m->recovery > 0 ? mapping_.update : PlaneUpdate::fade;
     plane.friction = {.static_ = std::max(m->static_friction, m->dynamic_friction),
                       .dynamic = m->dynamic_friction};
     plane.texture.direction = along(plane.normal);

@@ -1,5 +1,6 @@
 #include "core.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -29,10 +30,11 @@ void Loop::change(int fd, std::uint32_t events, Ready& ready) {
     ::epoll_ctl(epoll_.get(), EPOLL_CTL_MOD, fd, &event);
 }
 
-void Loop::wait(int milliseconds, const std::function<void()>& woken) {
+void Loop::wait(int milliseconds, std::mutex& mutex, const std::function<void()>& woken) {
     std::array<epoll_event, 32> events{};
     const int count =
         ::epoll_wait(epoll_.get(), events.data(), static_cast<int>(events.size()), milliseconds);
+    const std::lock_guard lock(mutex);
     woken();
     for (int i = 0; i < count; ++i) {
         const epoll_event& event = events[static_cast<std::size_t>(i)];
@@ -53,8 +55,8 @@ void Log::say(std::string_view kind, const std::string& line, Time now) {
     of = {.when = now, .unsaid = 0};
 }
 
-Devices::Devices(Loop& loop, Log& log, const ServerOptions& options)
-    : loop_(loop), log_(log), options_(options) {
+Devices::Devices(std::mutex& mutex, Log& log, const ServerOptions& options)
+    : mutex_(mutex), log_(log), options_(options) {
     for (const SenderName& each : options.senders) {
         senders_.push_back({.name = each.name});
         watched_.push_back(std::make_unique<Watched>());
@@ -62,11 +64,21 @@ Devices::Devices(Loop& loop, Log& log, const ServerOptions& options)
 }
 
 void Devices::tick(Time now, bool wanted) {
+    const bool over =
+        std::any_of(watched_.begin(), watched_.end(), [](const auto& each) { return each->over.load(); });
+    if (!wanted || over) end();
+    if (!wanted) tried_.reset();
     if (wanted && !client_) connect(now);
-    if (wanted) return;
-    for (const auto& each : watched_) each->observer.reset();
+}
+
+void Devices::end() {
+    for (const auto& each : watched_) {
+        if (each->observer) each->observer->release();  // a call that waits throws
+        if (each->thread.joinable()) each->thread.join();
+        each->observer.reset();
+        each->over = false;
+    }
     client_.reset();
-    tried_.reset();
 }
 
 void Devices::connect(Time now) {
@@ -78,36 +90,42 @@ void Devices::connect(Time now) {
         for (std::size_t i = 0; i < watched_.size(); ++i) {
             Watched& each = *watched_[i];
             each.observer.emplace(client_->observe(options_.senders[i].device));
-            senders_[i].device = each.observer->device();
-            senders_[i].newest = each.observer->latest();
-            each.ready.call = [this, i](std::uint32_t) { read(i); };
-            loop_.add(each.observer->fd(), EPOLLIN, each.ready);
+            {
+                const std::lock_guard lock(mutex_);
+                senders_[i].device = each.observer->device();
+                senders_[i].newest = each.observer->latest();
+            }
+            each.thread = std::thread([this, i] { watch(i); });
         }
     } catch (const std::exception& error) {
+        end();
+        const std::lock_guard lock(mutex_);
         log_.say("servo", error.what(), now);
-        for (const auto& each : watched_) each->observer.reset();
-        client_.reset();
     }
 }
 
-void Devices::read(std::size_t sender) {
+void Devices::watch(std::size_t sender) {
     Watched& each = *watched_[sender];
-    if (!each.observer) return;
+    std::vector<HandReport> block(64);
     try {
-        const std::size_t count = each.observer->drain(block_);
-        if (count == 0) return;
-        senders_[sender].newest = block_[count - 1];
-        if (on_reports) on_reports(sender, std::span(block_).first(count));
+        for (;;) {
+            const auto first = each.observer->next_report(std::chrono::seconds(1));
+            if (!first) continue;
+            block[0] = *first;
+            const std::size_t count = 1 + each.observer->drain(std::span(block).subspan(1));
+            const std::lock_guard lock(mutex_);
+            senders_[sender].newest = block[count - 1];
+            if (on_reports) on_reports(sender, std::span(block).first(count));
+        }
     } catch (const Error&) {
-        each.observer.reset();  // the servo is gone for good; a new one is looked for
-        client_.reset();
+        each.over = true;  // released, or the servo has gone for good: a new one is looked for
     }
 }
 
 Core::Core(ServerOptions given)
     : options(std::move(given)),
       log(options.log),
-      devices(loop, log, options),
+      devices(mutex, log, options),
       holders(options.senders.size(), nullptr) {}
 
 std::string text_of(const sockaddr_in& address) {

@@ -1,13 +1,16 @@
 #pragma once
 // What the server and its connections share: the loop, the devices, who commands what. Private to this module.
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <thread>
 #include <vector>
 
 #include <netinet/in.h>
@@ -32,8 +35,8 @@ class Loop {
     /// Watches `fd`, which is closed before `ready` ends.
     void add(int fd, std::uint32_t events, Ready& ready);
     void change(int fd, std::uint32_t events, Ready& ready);
-    /// Calls what is ready, after `woken`.
-    void wait(int milliseconds, const std::function<void()>& woken);
+    /// Waits, then calls what is ready with the mutex held, after `woken`.
+    void wait(int milliseconds, std::mutex& mutex, const std::function<void()>& woken);
 
   private:
     shm::UniqueFd epoll_;
@@ -56,32 +59,41 @@ class Log {
 };
 
 /// The devices behind the senders. While nobody is connected there is no connection to the servo either.
+///
+/// A thread per sender sleeps until a report is there and sends it at once: one wake-up and one datagram after the servo's
+/// write. It holds the mutex meanwhile, as the loop does while it calls what is ready.
 class Devices {
   public:
-    Devices(Loop& loop, Log& log, const ServerOptions& options);
+    Devices(std::mutex& mutex, Log& log, const ServerOptions& options);
+    ~Devices() { end(); }
+    Devices(const Devices&) = delete;
+    Devices& operator=(const Devices&) = delete;
 
-    /// `wanted`: somebody is connected.
+    /// `wanted`: somebody is connected. Without the mutex: it may wait for a servo.
     void tick(Time now, bool wanted);
+    /// No reports come any more. Without the mutex.
+    void end();
+    /// With the mutex.
     std::span<const SenderInfo> senders() const { return senders_; }
-    /// Called with new reports.
+    /// Called with new reports and with the mutex.
     std::function<void(std::size_t sender, std::span<const HandReport> reports)> on_reports;
 
   private:
     struct Watched {
         std::optional<Observer> observer;
-        Ready ready;
+        std::thread thread;
+        std::atomic<bool> over{false};  // its servo has gone for good
     };
     void connect(Time now);
-    void read(std::size_t sender);
+    void watch(std::size_t sender);
 
-    Loop& loop_;
+    std::mutex& mutex_;
     Log& log_;
     const ServerOptions& options_;
     std::vector<SenderInfo> senders_;
     std::vector<std::unique_ptr<Watched>> watched_;
     std::optional<Client> client_;
     std::optional<Time> tried_;
-    std::vector<HandReport> block_ = std::vector<HandReport>(64);
 };
 
 class Connection;
@@ -90,6 +102,7 @@ struct Core {
     explicit Core(ServerOptions given);
 
     const ServerOptions options;
+    std::mutex mutex;  // of all that follows
     Loop loop;
     Log log;
     Devices devices;

@@ -66,6 +66,9 @@ void check(const ServerOptions& options) {
 
 struct Server::Impl {
     explicit Impl(ServerOptions given);
+    ~Impl() { core.devices.end(); }  // whose threads use the connections
+    Impl(const Impl&) = delete;
+    Impl& operator=(const Impl&) = delete;
 
     Core core;
     shm::UniqueFd tcp, udp;
@@ -187,11 +190,19 @@ void Server::Impl::call_back(const sockaddr_in& client) {
 }
 
 void Server::Impl::tick() {
-    if (core.now - ticked < tick_every) return;
-    ticked = core.now;
-    for (const auto& each : connections) each->tick();
-    core.devices.tick(core.now, std::any_of(connections.begin(), connections.end(),
-                                            [](const auto& each) { return each->live(); }));
+    bool wanted = false;
+    {
+        const std::lock_guard lock(core.mutex);
+        if (core.now - ticked >= tick_every) {
+            ticked = core.now;
+            for (const auto& each : connections) each->tick();
+        }
+        // Not before: the loop may have had something for them.
+        connections.remove_if([](const auto& each) { return each->over(); });
+        wanted = std::any_of(connections.begin(), connections.end(),
+                             [](const auto& each) { return each->live(); });
+    }
+    core.devices.tick(core.now, wanted);
 }
 
 Server::Server(ServerOptions options) : impl_(std::make_unique<Impl>(std::move(options))) {}
@@ -211,10 +222,8 @@ void Server::run() {
     Impl& s = *impl_;
     while (!s.stopping) {
         const int pause = s.connections.empty() ? 1000 : static_cast<int>(tick_every.count());
-        s.core.loop.wait(pause, [&] { s.core.now = std::chrono::steady_clock::now(); });
+        s.core.loop.wait(pause, s.core.mutex, [&] { s.core.now = std::chrono::steady_clock::now(); });
         s.tick();
-        // Not before: the loop may have had something for them.
-        s.connections.remove_if([](const auto& each) { return each->over(); });
         if (s.work) s.work();
     }
 }

@@ -48,14 +48,16 @@ Split split(std::span<const std::byte>& bytes, Message& message) noexcept {
 }
 
 void append(std::vector<std::byte>& bytes, const Header& header, std::span<const std::byte> payload) {
-    PayloadWriter words;
-    words.put(static_cast<std::uint32_t>(header_bytes + payload.size()))
-        .put(header.seconds)
-        .put(header.microseconds)
-        .put(header.sender)
-        .put(header.type)
-        .put(header.sequence);
-    bytes.insert(bytes.end(), words.bytes().begin(), words.bytes().end());
+    const std::array<std::uint32_t, 6> words{static_cast<std::uint32_t>(header_bytes + payload.size()),
+                                             static_cast<std::uint32_t>(header.seconds),
+                                             static_cast<std::uint32_t>(header.microseconds),
+                                             static_cast<std::uint32_t>(header.sender),
+                                             static_cast<std::uint32_t>(header.type),
+                                             header.sequence};
+    for (const std::uint32_t word : words) {
+        const auto big = big_endian(word);
+        bytes.insert(bytes.end(), big.begin(), big.end());
+    }
     bytes.insert(bytes.end(), payload.begin(), payload.end());
     bytes.resize(bytes.size() + padded(payload.size()) - payload.size());
 }

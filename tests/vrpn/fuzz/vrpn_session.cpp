@@ -49,7 +49,8 @@ void check_answers(FakeAround& around) {
 bool take(FakeClient& client, std::span<const std::byte>& bytes, Service service) {
     Message message;
     Split found = Split::more;
-    for (std::size_t before = bytes.size(); (found = split(bytes, message)) == Split::whole; before = bytes.size()) {
+    for (std::size_t before = bytes.size(); (found = split(bytes, message)) == Split::whole;
+         before = bytes.size()) {
         require(before - bytes.size() >= header_bytes, "each message takes bytes");
         require(message.payload.size() <= most_payload, "a payload is bounded");
         // Quick ones would be dropped; the service decides that, and no datagram drops a client.

@@ -15,8 +15,8 @@ namespace knurl::vrpn {
 struct Mapping {
     /// From the device's frame to the client's. VRPN's server for a Phantom: x right, y up, z towards the user; metres.
     gateway::Axes axes{{2, 3, 1}};
-    /// How a plane that changes reaches the hand.
-    PlaneUpdate update = PlaneUpdate::fade;
+    /// How a plane that changes reaches the hand within the client's recovery time. One without a recovery time is faded.
+    PlaneUpdate update = PlaneUpdate::last_depth;
     /// What one unit of a client's damping is (N s/m): it says 0 to 0.005.
     double damping_unit = 1000;
 };

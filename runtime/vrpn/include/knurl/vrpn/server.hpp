@@ -1,8 +1,8 @@
 #pragma once
 
 /// @file
-/// A server of VRPN 07 for the devices of one servo: an ordinary client of that servo. One thread serves all; no peer can
-/// make it wait.
+/// A server of VRPN 07 for the devices of one servo: an ordinary client of that servo. One thread serves all peers, and no
+/// peer can make it wait; a further one per device sends the reports.
 ///
 ///     vrpn::Server server({.senders = {{"Phantom0", "right"}}, .force_peers = {vrpn::host_range("127.0.0.1")}});
 ///     server.on_tick([&] { if (stop) server.stop(); });

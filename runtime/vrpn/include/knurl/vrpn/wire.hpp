@@ -98,6 +98,15 @@ Cookie read_cookie(std::span<const std::byte, cookie_bytes> bytes);
 /// None: it is no such request.
 std::optional<std::uint16_t> requested_port(std::span<const std::byte> datagram) noexcept;
 
+/// The bytes of a number, the most significant one first.
+template <class Bits>
+std::array<std::byte, sizeof(Bits)> big_endian(Bits bits) noexcept {
+    std::array<std::byte, sizeof(Bits)> bytes;
+    for (std::size_t i = 0; i < sizeof(Bits); ++i)
+        bytes[i] = static_cast<std::byte>(bits >> (8 * (sizeof(Bits) - 1 - i)) & 0xff);
+    return bytes;
+}
+
 /// Reads the numbers of a payload. Once one is missing, `ok` is false, and everything is 0.
 class Payload {
   public:
