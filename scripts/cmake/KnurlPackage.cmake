@@ -1,9 +1,10 @@
-# `cpack` in a build folder makes six packages of Debian's, under /usr:
+# `cpack` in a build folder makes seven packages of Debian's, under /usr:
 #   libknurl0          the client for C and what calls C
 #   libknurl-offline0  the servo's cycle in a process of one's own, likewise
 #   python3-knurl      the same for Python
 #   libknurl-dev   headers, static libraries, find_package and pkg-config, examples
 #   knurl-server   knurld, knurl-bridge, their units, the udev rules, user and group, arms
+#   knurl-dds      knurl-dds, where it is built: it alone needs a DDS
 #   knurl-tools    knurl, knurl-web, and the demonstration programs with the scripts that draw what they measured
 # A component of the installation is a package; each thing says where it is installed to which it belongs.
 
@@ -17,10 +18,13 @@ set(CPACK_STRIP_FILES ON)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_COMPONENTS_GROUPING IGNORE)
 set(CPACK_COMPONENTS_ALL libknurl-dev libknurl0 libknurl-offline0 python3-knurl knurl-server knurl-tools)
+if(TARGET knurl-dds)
+    list(APPEND CPACK_COMPONENTS_ALL knurl-dds)
+endif()
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
-foreach(package LIBKNURL-DEV LIBKNURL0 LIBKNURL-OFFLINE0 PYTHON3-KNURL KNURL-SERVER KNURL-TOOLS)
+foreach(package LIBKNURL-DEV LIBKNURL0 LIBKNURL-OFFLINE0 PYTHON3-KNURL KNURL-SERVER KNURL-TOOLS KNURL-DDS)
     string(TOLOWER ${package} CPACK_DEBIAN_${package}_PACKAGE_NAME)
     set(CPACK_DEBIAN_${package}_PACKAGE_SECTION science)
     # All was one package once.
@@ -111,6 +115,17 @@ This package has knurl, which lists, records, replays, measures and tests
 servers and devices, knurl-web, which shows them in a browser, and programs
 that put a relief, a mesh, an atom of a running simulation or rigid bodies in
 the hand.")
+
+# It reads the servo's memory, and a server of another build refuses it.
+set(CPACK_DEBIAN_KNURL-DDS_PACKAGE_DEPENDS "knurl-server (= ${PROJECT_VERSION})")
+set(CPACK_DEBIAN_KNURL-DDS_PACKAGE_SUGGESTS knurl-tools)
+set(CPACK_DEBIAN_KNURL-DDS_DESCRIPTION "haptics server for Linux - DDS and ROS 2
+Knurl owns force-feedback devices and runs their loops at 1 kHz or more;
+applications describe what the hand should feel and read where it is, through
+shared memory.
+
+This package has knurl-dds, which shows devices to robots as topics of ROS 2,
+takes their commands, and lets the servos of many hosts find each other.")
 
 set(CPACK_DEBIAN_KNURL-SERVER_PACKAGE_CONTROL_EXTRA ${CMAKE_CURRENT_LIST_DIR}/deb/knurl-server/postinst
     ${CMAKE_CURRENT_LIST_DIR}/deb/knurl-server/prerm ${CMAKE_CURRENT_LIST_DIR}/deb/knurl-server/postrm)

@@ -68,21 +68,18 @@ TEST_F(RegistryTest, what_is_unknown_or_has_no_bridge_is_said_in_one_line) {
     EXPECT_NE(why("lab").find("has no servo 'lab'; no servo is announced there"), std::string::npos) << why("lab");
     // Another host, as far as the registry knows: a process of the domain with another door.
     Here here;
-    dds::Registry other(here.domain);
-    dds::ServoEntry entry{.id = "1", .name = "lab", .servo = "default", .host = "far", .state = "running", .devices = {}};
-    other.announce(entry);
+    Announced other(here, {.id = "1", .name = "lab", .servo = "default", .host = "far", .state = "running", .devices = {}});
     ASSERT_TRUE(eventually([&] { return why("lab").find("announces no bridge") != std::string::npos; })) << why("lab");
     EXPECT_NE(why("lbb").find("did you mean 'lab'?"), std::string::npos) << why("lbb");
-    entry.bridge = "10.0.0.7:4096";
-    other.announce(entry);
+    other.change([](auto& entry) { entry.bridge = "10.0.0.7:4096"; });
     EXPECT_TRUE(eventually([&] { return why("lab") == "knurl://10.0.0.7:4096"; })) << why("lab");
-    entry.bridge = "\033[31m:x";
-    other.announce(entry);
+    other.change([](auto& entry) { entry.bridge = "\033[31m:x"; });
     EXPECT_TRUE(eventually([&] { return why("lab").find("announces a bridge that is none") != std::string::npos; })) << why("lab");
     EXPECT_EQ(why("lab").find('\033'), std::string::npos) << "a peer's text is shown without control characters";
-    entry.bridge = "10.0.0.7:4096";
-    entry.state = "gone";
-    other.announce(entry);
+    other.change([](auto& entry) {
+        entry.bridge = "10.0.0.7:4096";
+        entry.state = "gone";
+    });
     EXPECT_TRUE(eventually([&] { return why("lab").find("does not run, only its knurl-dds does") != std::string::npos; })) << why("lab");
     EXPECT_THROW(protocol::registry_address("knurl://a b/c"), std::runtime_error);
     EXPECT_FALSE(protocol::registry_address("knurl://lab:4096"));
@@ -108,8 +105,7 @@ TEST_F(RegistryTest, two_servos_of_one_name_are_told_and_neither_is_taken) {
     ServoProcess servo;
     DdsProgram one({"--name", "lab"});
     Here here;
-    dds::Registry other(here.domain);
-    other.announce({.id = "1", .name = "lab", .servo = "default", .host = "far", .bridge = "10.0.0.7:4096", .state = "running", .devices = {}});
+    Announced other(here, {.id = "1", .name = "lab", .servo = "default", .host = "far", .bridge = "10.0.0.7:4096", .state = "running", .devices = {}});
     EXPECT_TRUE(one.program().says("two servos are called 'lab'")) << one.program().said();
     try {
         protocol::resolve_servo("lab", own_domain());
@@ -117,7 +113,7 @@ TEST_F(RegistryTest, two_servos_of_one_name_are_told_and_neither_is_taken) {
     } catch (const std::runtime_error& error) {
         EXPECT_NE(std::string(error.what()).find("2 servos of domain"), std::string::npos) << error.what();
     }
-    EXPECT_FALSE(other.name_clashes().empty());
+    EXPECT_FALSE(other.registry.name_clashes().empty());
 }
 
 TEST_F(RegistryTest, a_killed_servo_is_gone_for_everybody_and_one_that_came_back_is_there_once) {
@@ -138,8 +134,7 @@ TEST_F(RegistryTest, a_killed_servo_is_gone_for_everybody_and_one_that_came_back
 TEST_F(RegistryTest, knurl_dds_lists_a_domain_with_a_registry_and_without) {
     ServoProcess servo;
     Here here;
-    dds::Registry other(here.domain);
-    other.announce({.id = "1", .name = "far", .servo = "default", .host = "far", .state = "running", .devices = {}});
+    Announced other(here, {.id = "1", .name = "far", .servo = "default", .host = "far", .state = "running", .devices = {}});
     const auto list = [] {
         return knurl::test::run({KNURL_DDS, "list", "--domain", std::to_string(own_domain())});
     };

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <chrono>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -150,9 +151,18 @@ std::vector<ServoEntry> Registry::servos() const {
     std::vector<dds_sample_info_t> infos(most_servos);
     const dds_return_t count = dds_read(reader_.get(), samples.data(), infos.data(), most_servos, most_servos);
     std::vector<ServoEntry> all;
+    std::map<std::string, Heard> heard;
+    const auto now = std::chrono::steady_clock::now();
     for (std::size_t i = 0; i < static_cast<std::size_t>(std::max(count, 0)); ++i)
-        if (infos[i].valid_data && infos[i].instance_state == DDS_ALIVE_INSTANCE_STATE)
-            all.push_back(read(*static_cast<const knurl_dds_ServoInfo*>(samples[i])));
+        if (infos[i].valid_data && infos[i].instance_state == DDS_ALIVE_INSTANCE_STATE) {
+            const auto& info = *static_cast<const knurl_dds_ServoInfo*>(samples[i]);
+            ServoEntry servo = read(info);
+            const auto before = heard_.find(servo.id);
+            Heard& last = heard[servo.id] = before == heard_.end() ? Heard{info.revision, now} : before->second;
+            if (last.revision != info.revision) last = {info.revision, now};
+            if (now - last.at <= silence) all.push_back(std::move(servo));
+        }
+    heard_ = std::move(heard);
     if (count > 0) dds_return_loan(reader_.get(), samples.data(), count);
     std::sort(all.begin(), all.end(), [](const ServoEntry& a, const ServoEntry& b) {
         return std::tie(a.name, a.id) < std::tie(b.name, b.id);
