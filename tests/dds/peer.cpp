@@ -2,10 +2,12 @@
 // topic, and goes on until it is killed.
 //   push TOPIC X Y Z HZ      wrenches
 //   wall TOPIC OFFSET K      one plane with normal z, and then nothing
+//   pose TOPIC HZ            poses, stamped when they are written
 
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <string>
 #include <thread>
 
@@ -55,10 +57,27 @@ void wall(Domain& domain, char** words) {
     for (;;) std::this_thread::sleep_for(std::chrono::seconds(1));
 }
 
+void pose(Domain& domain, char** words) {
+    const Entity writer = domain.writer(words[0], geometry_msgs_msg_dds__PoseStamped__desc, {.message = "geometry_msgs/msg/PoseStamped"});
+    std::puts("ready");
+    std::fflush(stdout);
+    geometry_msgs_msg_dds__PoseStamped_ message{};
+    std::string frame = "cartesian3_base";
+    message.header.frame_id = frame.data();
+    const auto period = std::chrono::duration_cast<std::chrono::steady_clock::duration>(std::chrono::duration<double>(1 / std::atof(words[1])));
+    for (auto next = std::chrono::steady_clock::now();; next += period) {
+        std::this_thread::sleep_until(next);
+        timespec now{};
+        ::clock_gettime(CLOCK_REALTIME, &now);
+        message.header.stamp = {.sec = static_cast<std::int32_t>(now.tv_sec), .nanosec = static_cast<std::uint32_t>(now.tv_nsec)};
+        dds_write(writer.get(), &message);
+    }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-    if (argc < 6) return 2;
+    if (argc < 5) return 2;
     DomainOptions options;
     options.id = static_cast<std::uint32_t>(std::atoi(argv[1]));
     if (const char* interface = std::getenv("KNURL_DDS_INTERFACE")) options.interface = interface;
@@ -66,6 +85,7 @@ int main(int argc, char** argv) {
     Domain domain(options);
     const std::string what = argv[2];
     if (what == "push" && argc == 8) push(domain, argv + 3);
-    if (what == "wall") wall(domain, argv + 3);
+    if (what == "wall" && argc == 6) wall(domain, argv + 3);
+    if (what == "pose" && argc == 5) pose(domain, argv + 3);
     return 2;
 }
