@@ -26,7 +26,7 @@ namespace {
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-constexpr auto retry = 1s;            // between two tries to reach the servo
+constexpr auto retry = 250ms;          // between two tries to reach the servo
 constexpr auto idle_look = 100ms;     // while nobody reads
 constexpr auto command_tick = 10ms;   // while somebody holds something
 constexpr auto command_idle = 200ms;  // while nobody does
@@ -116,7 +116,7 @@ void RobotSide::Impl::keep() {
             domain.say(error.what());
             close();
         }
-    } while (wait(retry / 4));
+    } while (wait(retry));
     close();
 }
 
