@@ -89,7 +89,8 @@ struct Result {
 
 /// One turn: a reader that sleeps in a waitset.
 void read(dds::Domain& domain, const std::string& topic, const Child& writer, Result& result) {
-    const dds::Entity reader = domain.reader(topic, geometry_msgs_msg_dds__PoseStamped__desc, {.message = "geometry_msgs/msg/PoseStamped", .depth = 10});
+    const dds::Entity reader = domain.reader(topic, geometry_msgs_msg_dds__PoseStamped__desc,
+                                             {.message = "geometry_msgs/msg/PoseStamped", .depth = 10});
     const dds::Entity condition(dds_create_readcondition(reader.get(), DDS_ANY_STATE), "condition");
     const dds::Entity waitset(dds_create_waitset(domain.participant()), "waitset");
     dds::check(dds_waitset_attach(waitset.get(), condition.get(), 0), "waitset");
@@ -103,7 +104,8 @@ void read(dds::Domain& domain, const std::string& topic, const Child& writer, Re
         if (!cpu) cpu = writer.cpu();
         for (std::size_t i = 0; i < taken.size(); ++i)
             if (taken.info(i).valid_data)
-                result.us.push_back((now - taken[i].header.stamp.sec - taken[i].header.stamp.nanosec * 1e-9) * 1e6);
+                result.us.push_back((now - taken[i].header.stamp.sec - taken[i].header.stamp.nanosec * 1e-9) *
+                                    1e6);
     }
     result.cpu += writer.cpu() - cpu.value_or(0);
     result.seconds += std::chrono::duration<double>(round_time - settle).count();
@@ -113,11 +115,13 @@ void read(dds::Domain& domain, const std::string& topic, const Child& writer, Re
 void read_local(Observer& observer, Result& result) {
     const auto begin = std::chrono::steady_clock::now();
     while (std::chrono::steady_clock::now() < begin + round_time - settle)
-        if (const auto report = observer.newest(50ms)) result.us.push_back(static_cast<double>(observer.age(*report).age.count()) * 1e-3);
+        if (const auto report = observer.newest(50ms))
+            result.us.push_back(static_cast<double>(observer.age(*report).age.count()) * 1e-3);
 }
 
 void print(const char* what, Result& result) {
-    fmt::print("{:46} {:7} {:8.0f} {:8.0f} {:8.0f}", what, result.us.size(), result.at(0.5), result.at(0.99), result.at(1));
+    fmt::print("{:46} {:7} {:8.0f} {:8.0f} {:8.0f}", what, result.us.size(), result.at(0.5), result.at(0.99),
+               result.at(1));
     if (result.seconds > 0) fmt::print(" {:9.1f} %", 100 * result.cpu / result.seconds);
     fmt::print("\n");
 }
@@ -125,8 +129,8 @@ void print(const char* what, Result& result) {
 int run() {
     utsname machine{};
     ::uname(&machine);
-    fmt::print("knurl_bench_dds: {} CPUs, Linux {}, Cyclone DDS 0.10; {} turns of {} ms each, loopback\n", ::sysconf(_SC_NPROCESSORS_ONLN), machine.release,
-               rounds, (round_time - settle).count());
+    fmt::print("knurl_bench_dds: {} CPUs, Linux {}, Cyclone DDS 0.10; {} turns of {} ms each, loopback\n",
+               ::sysconf(_SC_NPROCESSORS_ONLN), machine.release, rounds, (round_time - settle).count());
     client_test::ServoProcess servo;
     Client client = client_test::connect_beside();
     Observer observer = client.observe();
@@ -141,12 +145,16 @@ int run() {
         read(here, "rt/bare", bare, plain);
         read_local(observer, local);
     }
-    fmt::print("us                                             samples   median      p99      max    writer's CPU\n");
+    fmt::print(
+        "us                                             samples   median      p99      max    writer's "
+        "CPU\n");
     print("measured_cp, from the read of the device", knurl_dds);
     print("bare Cyclone writer, from the write", plain);
     print("the servo's report to a local reader that sleeps", local);
-    const double median = knurl_dds.at(0.5) / (plain.at(0.5) + local.at(0.5)), cpu = knurl_dds.cpu / plain.cpu;
-    fmt::print("median: {:.2f} x (bare writer + local reader); CPU: {:.2f} x the bare writer's\n", median, cpu);
+    const double median = knurl_dds.at(0.5) / (plain.at(0.5) + local.at(0.5)),
+                 cpu = knurl_dds.cpu / plain.cpu;
+    fmt::print("median: {:.2f} x (bare writer + local reader); CPU: {:.2f} x the bare writer's\n", median,
+               cpu);
     return 0;
 }
 

@@ -110,7 +110,8 @@ class Registry {
 class RegistryDoor {
   public:
     /// Listens at that path. Throws std::runtime_error, one line.
-    RegistryDoor(const Registry& registry, const std::string& path, std::uint32_t domain, const std::string& name);
+    RegistryDoor(const Registry& registry, const std::string& path, std::uint32_t domain,
+                 const std::string& name);
     /// Ends, and takes the socket away.
     ~RegistryDoor();
     RegistryDoor(const RegistryDoor&) = delete;
