@@ -84,7 +84,8 @@ void require_sense(const dds::Config& config) {
         throw UsageError(error.what());
     }
     if (!config.name.empty() && !protocol::is_name(config.name))
-        throw UsageError(fmt::format("--name {}: use letters, digits, _ . and -", words::printable(config.name, 60)));
+        throw UsageError(
+            fmt::format("--name {}: use letters, digits, _ . and -", words::printable(config.name, 60)));
 }
 
 /// Until the process is told to stop.
@@ -105,23 +106,29 @@ int serve(const CommandLine& said) {
     dds::Domain domain(config.domain);
     dds::Registry registry(domain);
     const std::string servo = protocol::servo_address(config.robot.servo).name;
-    dds::ServoEntry entry{.id = new_id(),
-                          .name = config.name.empty() ? dds::default_name(servo, host_name()) : config.name,
-                          .servo = config.robot.servo.find('/') != std::string::npos ? config.robot.servo : servo,
-                          .host = host_name(),
-                          .pid = static_cast<std::uint32_t>(::getpid()),
-                          .build = KNURL_VERSION,
-                          .bridge = config.bridge};
-    const std::string door_name = fmt::format("{}-{}", config.domain.id, said.registry_only ? "registry" : entry.name);
+    dds::ServoEntry entry{
+        .id = new_id(),
+        .name = config.name.empty() ? dds::default_name(servo, host_name()) : config.name,
+        .servo = config.robot.servo.find('/') != std::string::npos ? config.robot.servo : servo,
+        .host = host_name(),
+        .pid = static_cast<std::uint32_t>(::getpid()),
+        .build = KNURL_VERSION,
+        .bridge = config.bridge};
+    const std::string door_name =
+        fmt::format("{}-{}", config.domain.id, said.registry_only ? "registry" : entry.name);
     std::filesystem::create_directories(protocol::runtime_directory());
-    const dds::RegistryDoor door(registry, protocol::registry_socket(door_name), config.domain.id, entry.name);
+    const dds::RegistryDoor door(registry, protocol::registry_socket(door_name), config.domain.id,
+                                 entry.name);
     std::optional<dds::RobotSide> robot;
     if (!said.registry_only) robot.emplace(domain, config.robot);
-    fmt::print("knurl-dds: {} in domain {}, {}\n", said.registry_only ? "a registry" : fmt::format("servo '{}' is '{}'", servo, entry.name),
+    fmt::print("knurl-dds: {} in domain {}, {}\n",
+               said.registry_only ? "a registry" : fmt::format("servo '{}' is '{}'", servo, entry.name),
                config.domain.id, where(config));
     for (const dds::CommandRule& rule : config.robot.commands)
         fmt::print("  '{}' may be commanded by {}\n", rule.device,
-                   rule.from.empty() ? std::string("all in the domain") : fmt::format("processes that say they are on {}", fmt::join(rule.from, ", ")));
+                   rule.from.empty()
+                       ? std::string("all in the domain")
+                       : fmt::format("processes that say they are on {}", fmt::join(rule.from, ", ")));
     std::fflush(stdout);
     while (!commandline::stop) {
         if (robot) {
@@ -151,12 +158,17 @@ int list(const CommandLine& said) {
 }
 
 void domain_options(commandline::Command& command, CommandLine& said) {
-    command.option("--config", said.config, "TOML file; what stands here as well counts more").type_name("FILE");
-    command.option("--domain", said.domain, "Number of the DDS domain; without it ROS_DOMAIN_ID, or 0").within(0, 232);
-    command.option("--interface", said.interface,
-                   "Address or name of the network interface; without it this host alone is reached")
+    command.option("--config", said.config, "TOML file; what stands here as well counts more")
+        .type_name("FILE");
+    command.option("--domain", said.domain, "Number of the DDS domain; without it ROS_DOMAIN_ID, or 0")
+        .within(0, 232);
+    command
+        .option("--interface", said.interface,
+                "Address or name of the network interface; without it this host alone is reached")
         .type_name("ADDRESS");
-    command.option("--peer", said.peers, "A host that is asked directly, where multicast does not reach it; may be repeated")
+    command
+        .option("--peer", said.peers,
+                "A host that is asked directly, where multicast does not reach it; may be repeated")
         .type_name("ADDRESS");
 }
 
@@ -164,27 +176,38 @@ void domain_options(commandline::Command& command, CommandLine& said) {
 
 int main(int argc, char** argv) {
     CommandLine said, listed;
-    commandline::Command app("knurl-dds",
-                             "Shows a servo to robots (ROS 2, by CRTK's names) and announces it to other hosts, in a DDS domain.\n"
-                             "It is an ordinary client of the servo. It reaches this host only, unless --interface names a network.");
+    commandline::Command app(
+        "knurl-dds",
+        "Shows a servo to robots (ROS 2, by CRTK's names) and announces it to other hosts, in a DDS domain.\n"
+        "It is an ordinary client of the servo. It reaches this host only, unless --interface names a "
+        "network.");
     domain_options(app, said);
     app.servo(said.servo, "The servo's name (default)");
-    app.option("--name", said.name, "Its name in the domain; without it the servo's own, or of 'default' the host's");
+    app.option("--name", said.name,
+               "Its name in the domain; without it the servo's own, or of 'default' the host's");
     app.option("--bridge", said.bridge, "Where others reach its knurl-bridge").type_name("HOST:PORT");
     app.option("--namespace", said.name_space, "Before the names of all topics");
-    app.option("--command", said.commands,
-               "A device that peers may command; may be repeated. Without it they only read. The file says more")
+    app.option(
+           "--command", said.commands,
+           "A device that peers may command; may be repeated. Without it they only read. The file says more")
         .type_name("DEVICE");
-    app.option("--lose", said.lose, "For tests: of a thousand packets, this many are not sent").within(0, 900);
-    app.flag("--registry", said.registry_only, "Without a servo: only looks servos up for the programs of this host");
-    app.footer(fmt::format("DDS without DDS-Security asks nobody who he is: on an open network everybody who reaches the domain reads all\n"
-                           "topics, and can move a device that may be commanded. Bounds: {} servos, {} peers that command a device.",
-                           dds::Registry::most_servos, dds::CommandDesk::most_peers));
+    app.option("--lose", said.lose, "For tests: of a thousand packets, this many are not sent")
+        .within(0, 900);
+    app.flag("--registry", said.registry_only,
+             "Without a servo: only looks servos up for the programs of this host");
+    app.footer(
+        fmt::format("DDS without DDS-Security asks nobody who he is: on an open network everybody who "
+                    "reaches the domain reads all\n"
+                    "topics, and can move a device that may be commanded. Bounds: {} servos, {} peers that "
+                    "command a device.",
+                    dds::Registry::most_servos, dds::CommandDesk::most_peers));
     app.action([&] { return serve(said); });
     auto& verb = app.verb("list", "The servos of a domain, a line of JSON each");
     domain_options(verb, listed);
     verb.flag("--json", listed.json, "It prints nothing else");
-    verb.option("--seconds", listed.seconds, "How long to listen where no knurl-dds of that domain runs here").within(0.1, 60).shows_default();
+    verb.option("--seconds", listed.seconds, "How long to listen where no knurl-dds of that domain runs here")
+        .within(0.1, 60)
+        .shows_default();
     verb.action([&] { return list(listed); });
     return commandline::run(app, argc, argv);
 }

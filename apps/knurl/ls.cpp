@@ -141,7 +141,8 @@ json json_of(const DeviceView& device) {
 
 int print_domain(std::uint64_t domain, bool as_json) {
     const std::vector<Json> servos = servos_of_domain(domain);
-    commandline::print(as_json ? json_of_domain(domain, servos, 2) : shown(text_of_domain(domain, servos), false));
+    commandline::print(as_json ? json_of_domain(domain, servos, 2)
+                               : shown(text_of_domain(domain, servos), false));
     return 0;
 }
 
@@ -170,7 +171,8 @@ void add_ls(commandline::Command& program) {
     auto as_json = std::make_shared<bool>(false);
     verb.flag("--json", *as_json, "the same for programs (SI units)");
     auto domain = std::make_shared<std::optional<std::uint64_t>>();
-    verb.option("--domain", *domain, "the servos of all hosts that knurl-dds announces in this DDS domain").within(0, 232);
+    verb.option("--domain", *domain, "the servos of all hosts that knurl-dds announces in this DDS domain")
+        .within(0, 232);
     verb.footer(
         "Without any servo it says so and succeeds: an empty list is an answer.\n"
         "Where it may not look it says so, and ends with 1.");

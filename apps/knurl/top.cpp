@@ -159,7 +159,8 @@ void add_top(commandline::Command& program) {
     verb.option("--count", arguments->count, "end after this number of samples; default: when interrupted")
         .type_name("N");
     verb.flag("--json", arguments->json, "a line of JSON for each sample");
-    verb.option("--domain", arguments->domain, "the servos of all hosts in this DDS domain, in place of one").within(0, 232);
+    verb.option("--domain", arguments->domain, "the servos of all hosts in this DDS domain, in place of one")
+        .within(0, 232);
     verb.footer(
         "lateness  from a cycle's deadline until the device has been read; of the newest 4095 cycles at "
         "most\n"

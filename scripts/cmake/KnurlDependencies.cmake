@@ -8,6 +8,8 @@ set(knurl_debian_fmt libfmt-dev)
 set(knurl_debian_tomlplusplus libtomlplusplus-dev)
 set(knurl_debian_Nettle nettle-dev)
 set(knurl_debian_Usb libusb-1.0-0-dev)
+# Of the program knurl-dds alone, which is left out without it.
+set(knurl_debian_CycloneDDS "cyclonedds-dev and cyclonedds-tools")
 
 # knurl::nettle, knurl::usb: libraries that bring no CMake files of their own.
 function(knurl_find_library package header library)

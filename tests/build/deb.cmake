@@ -60,6 +60,19 @@ foreach(link as-dhd/libdrd.so.3 as-dhd/lib/release/lin-*-gcc/libdrd.so.3 as-hd/l
         message(FATAL_ERROR "${link} is not there, or leads nowhere")
     endif()
 endforeach()
+# An optional part.
+file(GLOB with_dds ${WORK}/knurl-dds_*.deb)
+if(with_dds)
+    set(dds_pages "")
+    if(HELP2MAN)
+        set(dds_pages share/man/man1/knurl-dds.1.gz)
+    endif()
+    holds(knurl-dds ${dds_pages} bin/knurl-dds share/bash-completion/completions/knurl-dds share/knurl/ros/knurl_msgs/msg/Plane.msg
+          share/knurl/ros/knurl_msgs/package.xml share/knurl/idl/knurl_msgs.idl)
+    if(NOT depends MATCHES "libddsc" OR NOT depends MATCHES "knurl-server \\(= ")
+        message(FATAL_ERROR "knurl-dds does not know what it depends on: ${depends}")
+    endif()
+endif()
 
 holds(libknurl0 lib/libknurl.so.[0-9.]+)
 holds(libknurl-offline0 lib/libknurl-offline.so.[0-9.]+)

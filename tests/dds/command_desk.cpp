@@ -23,14 +23,16 @@ class Claimed final : public gateway::PeerCommands {
     Claimed(std::vector<std::string>& calls, std::string peer) : calls_(calls), peer_(std::move(peer)) {}
     ~Claimed() override { did("released"); }
     std::string push(const Vec3& f, const Vec3& t, std::string_view) override {
-        did("push " + number(f.x) + " " + number(f.y) + " " + number(f.z) + (t == Vec3{} ? "" : " torque " + number(t.x)));
+        did("push " + number(f.x) + " " + number(f.y) + " " + number(f.z) +
+            (t == Vec3{} ? "" : " torque " + number(t.x)));
         return {};
     }
     std::string pull(const Vec3& to, std::string_view) override {
         did("pull " + number(to.x));
         return {};
     }
-    std::string add(const std::string& name, Kind, const std::vector<std::byte>&, const AddOptions& options) override {
+    std::string add(const std::string& name, Kind, const std::vector<std::byte>&,
+                    const AddOptions& options) override {
         did("add " + name + (options.probe == 0 ? "" : " on " + number(options.probe)));
         return {};
     }
@@ -61,7 +63,8 @@ struct Desk {
     gateway::PeerOptions last;
     CommandDesk desk;
 
-    explicit Desk(std::function<void(CommandOptions&)> changed = {}) : change(std::move(changed)), desk(options()) {
+    explicit Desk(std::function<void(CommandOptions&)> changed = {})
+        : change(std::move(changed)), desk(options()) {
         Report report;
         report.state = DeviceState::idle;
         report.position = {0.1, 0, 0};
@@ -87,7 +90,8 @@ struct Desk {
         wall += time.count();
     }
     /// Its message took `took` by clocks that are `offset` apart.
-    Origin from(const std::string& id, std::chrono::nanoseconds took = 1ms, std::chrono::nanoseconds offset = 0ns) const {
+    Origin from(const std::string& id, std::chrono::nanoseconds took = 1ms,
+                std::chrono::nanoseconds offset = 0ns) const {
         return {.id = id, .text = id, .host = "lab", .written_ns = wall - took.count() + offset.count()};
     }
     Head at(const Origin& origin, const std::string& frame = "right_base") const {
@@ -118,7 +122,8 @@ TEST(DdsCommands, a_force_in_the_frame_of_the_tip_is_turned_into_the_devices) {
     Desk desk;
     Report report;
     report.state = DeviceState::active;
-    report.orientation = {.w = std::sqrt(0.5), .x = 0, .y = 0, .z = std::sqrt(0.5)};  // a quarter turn about z
+    report.orientation = {
+        .w = std::sqrt(0.5), .x = 0, .y = 0, .z = std::sqrt(0.5)};  // a quarter turn about z
     desk.desk.look(report);
     const Origin origin = desk.from("a");
     desk.desk.force(origin, desk.at(origin, "right_hand"), {1, 0, 0}, {}, true);
@@ -178,7 +183,8 @@ TEST(DdsCommands, a_clock_that_steps_silences_its_peer_for_a_second_at_most) {
 TEST(DdsCommands, a_stale_stamp_is_refused_by_the_senders_own_clock) {
     Desk desk;
     const Origin origin = desk.from("a", 1ms, 3600s);
-    desk.desk.force(origin, {.frame = "", .stamp_ns = origin.written_ns - 2'000'000'000}, {1, 0, 0}, {}, false);
+    desk.desk.force(origin, {.frame = "", .stamp_ns = origin.written_ns - 2'000'000'000}, {1, 0, 0}, {},
+                    false);
     EXPECT_TRUE(desk.calls.empty());
     EXPECT_TRUE(says(desk, "header.stamp is 2 s older than its sending"));
     desk.desk.force(origin, {.frame = "", .stamp_ns = 0}, {1, 0, 0}, {}, false);

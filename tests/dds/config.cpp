@@ -65,7 +65,8 @@ TEST(DdsConfig, says_where_it_is_wrong_and_changes_nothing_then) {
     EXPECT_EQ(wrong("servo = 3"), "dds.toml:1:9: servo must be a string");
     EXPECT_EQ(wrong("domian = 3"), "dds.toml:1:1: unknown key \"domian\"; did you mean 'domain'?");
     EXPECT_EQ(wrong("domain = 233"), "dds.toml:1:10: domain must be a number from 0 to 232");
-    EXPECT_EQ(wrong("name = \"a b\""), "dds.toml:1:8: name = \"a b\" is no name; use letters, digits, _ . and -");
+    EXPECT_EQ(wrong("name = \"a b\""),
+              "dds.toml:1:8: name = \"a b\" is no name; use letters, digits, _ . and -");
     EXPECT_NE(wrong("[[command]]\nfrom = []").find("names no device"), std::string::npos);
     EXPECT_NE(wrong("[rates]\nmeasured_pc = 1").find("did you mean 'measured_cp'?"), std::string::npos);
     EXPECT_NE(wrong("[remap]\na = \"b c\"").find("is no name of a topic"), std::string::npos);

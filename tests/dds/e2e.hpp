@@ -3,8 +3,10 @@
 
 #include <chrono>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -55,6 +57,33 @@ inline std::unique_ptr<Background> peer(std::vector<std::string> words) {
 /// This test in the domain.
 struct Here {
     knurl::dds::Domain domain{{.id = own_domain(), .peers = {}, .log = [](const std::string&) {}}};
+};
+
+/// A servo of another host, as far as the domain knows: announced until this ends.
+class Announced {
+  public:
+    Announced(Here& here, knurl::dds::ServoEntry entry) : registry(here.domain), entry_(std::move(entry)) {
+        thread_ = std::jthread([this](const std::stop_token& stop) {
+            while (!stop.stop_requested()) {
+                {
+                    const std::scoped_lock lock(mutex_);
+                    registry.announce(entry_);
+                }
+                std::this_thread::sleep_for(50ms);  // the rate at which it says that it is there
+            }
+        });
+    }
+    template <class Change>
+    void change(Change change) {
+        const std::scoped_lock lock(mutex_);
+        change(entry_);
+    }
+    knurl::dds::Registry registry;
+
+  private:
+    std::mutex mutex_;
+    knurl::dds::ServoEntry entry_;
+    std::jthread thread_;
 };
 
 /// The next sample of a reader that is as wanted.

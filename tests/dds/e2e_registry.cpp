@@ -1,9 +1,9 @@
 // The registry: servos announce themselves, programs find them by name, and the dead are gone.
 
-#include "e2e.hpp"
-
 #include <knurl/json/json.hpp>
 #include <knurl/protocol/registry.hpp>
+
+#include "e2e.hpp"
 
 namespace {
 
@@ -56,34 +56,44 @@ TEST_F(RegistryTest, what_is_unknown_or_has_no_bridge_is_said_in_one_line) {
             return error.what();
         }
     };
-    EXPECT_NE(why("lab").find("none of domain " + std::to_string(own_domain()) + " runs on this host; start one with `knurl-dds`"), std::string::npos) << why("lab");
+    EXPECT_NE(why("lab").find("none of domain " + std::to_string(own_domain()) +
+                              " runs on this host; start one with `knurl-dds`"),
+              std::string::npos)
+        << why("lab");
     try {
         Client::connect("knurl://lab/right", {.name = "test", .wait = 0ms});
         FAIL();
     } catch (const Error& error) {
         EXPECT_EQ(error.kind, Error::Kind::no_servo);
-        EXPECT_NE(std::string(error.what()).find("start one with `knurl-dds`"), std::string::npos) << error.what();
+        EXPECT_NE(std::string(error.what()).find("start one with `knurl-dds`"), std::string::npos)
+            << error.what();
     }
     DdsProgram registry({"--registry"});
-    EXPECT_NE(why("lab").find("has no servo 'lab'; no servo is announced there"), std::string::npos) << why("lab");
+    EXPECT_NE(why("lab").find("has no servo 'lab'; no servo is announced there"), std::string::npos)
+        << why("lab");
     // Another host, as far as the registry knows: a process of the domain with another door.
     Here here;
-    dds::Registry other(here.domain);
-    dds::ServoEntry entry{.id = "1", .name = "lab", .servo = "default", .host = "far", .state = "running", .devices = {}};
-    other.announce(entry);
-    ASSERT_TRUE(eventually([&] { return why("lab").find("announces no bridge") != std::string::npos; })) << why("lab");
+    Announced other(
+        here,
+        {.id = "1", .name = "lab", .servo = "default", .host = "far", .state = "running", .devices = {}});
+    ASSERT_TRUE(eventually([&] { return why("lab").find("announces no bridge") != std::string::npos; }))
+        << why("lab");
     EXPECT_NE(why("lbb").find("did you mean 'lab'?"), std::string::npos) << why("lbb");
-    entry.bridge = "10.0.0.7:4096";
-    other.announce(entry);
+    other.change([](auto& entry) { entry.bridge = "10.0.0.7:4096"; });
     EXPECT_TRUE(eventually([&] { return why("lab") == "knurl://10.0.0.7:4096"; })) << why("lab");
-    entry.bridge = "\033[31m:x";
-    other.announce(entry);
-    EXPECT_TRUE(eventually([&] { return why("lab").find("announces a bridge that is none") != std::string::npos; })) << why("lab");
-    EXPECT_EQ(why("lab").find('\033'), std::string::npos) << "a peer's text is shown without control characters";
-    entry.bridge = "10.0.0.7:4096";
-    entry.state = "gone";
-    other.announce(entry);
-    EXPECT_TRUE(eventually([&] { return why("lab").find("does not run, only its knurl-dds does") != std::string::npos; })) << why("lab");
+    other.change([](auto& entry) { entry.bridge = "\033[31m:x"; });
+    EXPECT_TRUE(eventually([&] {
+        return why("lab").find("announces a bridge that is none") != std::string::npos;
+    })) << why("lab");
+    EXPECT_EQ(why("lab").find('\033'), std::string::npos)
+        << "a peer's text is shown without control characters";
+    other.change([](auto& entry) {
+        entry.bridge = "10.0.0.7:4096";
+        entry.state = "gone";
+    });
+    EXPECT_TRUE(eventually([&] {
+        return why("lab").find("does not run, only its knurl-dds does") != std::string::npos;
+    })) << why("lab");
     EXPECT_THROW(protocol::registry_address("knurl://a b/c"), std::runtime_error);
     EXPECT_FALSE(protocol::registry_address("knurl://lab:4096"));
 }
@@ -108,8 +118,13 @@ TEST_F(RegistryTest, two_servos_of_one_name_are_told_and_neither_is_taken) {
     ServoProcess servo;
     DdsProgram one({"--name", "lab"});
     Here here;
-    dds::Registry other(here.domain);
-    other.announce({.id = "1", .name = "lab", .servo = "default", .host = "far", .bridge = "10.0.0.7:4096", .state = "running", .devices = {}});
+    Announced other(here, {.id = "1",
+                           .name = "lab",
+                           .servo = "default",
+                           .host = "far",
+                           .bridge = "10.0.0.7:4096",
+                           .state = "running",
+                           .devices = {}});
     EXPECT_TRUE(one.program().says("two servos are called 'lab'")) << one.program().said();
     try {
         protocol::resolve_servo("lab", own_domain());
@@ -117,7 +132,7 @@ TEST_F(RegistryTest, two_servos_of_one_name_are_told_and_neither_is_taken) {
     } catch (const std::runtime_error& error) {
         EXPECT_NE(std::string(error.what()).find("2 servos of domain"), std::string::npos) << error.what();
     }
-    EXPECT_FALSE(other.name_clashes().empty());
+    EXPECT_FALSE(other.registry.name_clashes().empty());
 }
 
 TEST_F(RegistryTest, a_killed_servo_is_gone_for_everybody_and_one_that_came_back_is_there_once) {
@@ -138,8 +153,9 @@ TEST_F(RegistryTest, a_killed_servo_is_gone_for_everybody_and_one_that_came_back
 TEST_F(RegistryTest, knurl_dds_lists_a_domain_with_a_registry_and_without) {
     ServoProcess servo;
     Here here;
-    dds::Registry other(here.domain);
-    other.announce({.id = "1", .name = "far", .servo = "default", .host = "far", .state = "running", .devices = {}});
+    Announced other(
+        here,
+        {.id = "1", .name = "far", .servo = "default", .host = "far", .state = "running", .devices = {}});
     const auto list = [] {
         return knurl::test::run({KNURL_DDS, "list", "--domain", std::to_string(own_domain())});
     };
@@ -158,14 +174,19 @@ TEST_F(RegistryTest, knurl_lists_a_domain_for_people) {
     const auto ls = knurl::test::knurl({"ls", "--domain", domain});
     EXPECT_EQ(ls.code, 0) << ls.err;
     EXPECT_NE(ls.out.find("knurl://lab/: on "), std::string::npos) << ls.out;
-    EXPECT_NE(ls.out.find(", bridge lab.example:4096\n  cartesian3 (cartesian3, 1000 Hz): idle"), std::string::npos) << ls.out;
+    EXPECT_NE(ls.out.find(", bridge lab.example:4096\n  cartesian3 (cartesian3, 1000 Hz): idle"),
+              std::string::npos)
+        << ls.out;
     EXPECT_NE(ls.out.find("nobody holds it, may be commanded by DDS"), std::string::npos) << ls.out;
     EXPECT_TRUE(eventually([&] {
-        return knurl::test::knurl({"top", "--domain", domain, "--count", "2", "--rate", "20"}).out.find("cycles/s") != std::string::npos;
+        return knurl::test::knurl({"top", "--domain", domain, "--count", "2", "--rate", "20"})
+                   .out.find("cycles/s") != std::string::npos;
     }));
     const auto none = knurl::test::knurl({"ls", "--domain", std::to_string(100 + own_domain())});
     EXPECT_EQ(none.code, 0);
-    EXPECT_NE(none.out.find("no servo is announced in domain " + std::to_string(100 + own_domain())), std::string::npos) << none.out << none.err;
+    EXPECT_NE(none.out.find("no servo is announced in domain " + std::to_string(100 + own_domain())),
+              std::string::npos)
+        << none.out << none.err;
 }
 
 TEST_F(RegistryTest, what_cannot_be_is_refused_in_one_line) {
@@ -176,7 +197,8 @@ TEST_F(RegistryTest, what_cannot_be_is_refused_in_one_line) {
     };
     auto outcome = says({"--interface", "10.255.255.1"});
     EXPECT_EQ(outcome.code, 1);
-    EXPECT_NE(outcome.err.find("this host has none with that name or IPv4 address"), std::string::npos) << outcome.err;
+    EXPECT_NE(outcome.err.find("this host has none with that name or IPv4 address"), std::string::npos)
+        << outcome.err;
     outcome = says({"--servo", "knurl://far:4096"});
     EXPECT_EQ(outcome.code, 2) << outcome.err;
     outcome = says({"--domain", "500"});

@@ -1,9 +1,8 @@
 // The robot side: a real servo, a real knurl-dds, and this test or a process beside it as the robot.
 
-#include "e2e.hpp"
-
 #include <knurl/dds/type_hash.hpp>
 
+#include "e2e.hpp"
 #include "knurl_msgs.h"
 #include "ros_messages.h"
 
@@ -35,14 +34,28 @@ TEST(DdsRobot, what_the_hand_does_is_written_as_ros_names_it) {
     ServoProcess servo;
     DdsProgram program;
     Here here;
-    const Entity pose = here.domain.reader("rt/cartesian3/measured_cp", geometry_msgs_msg_dds__PoseStamped__desc, reliable("geometry_msgs/msg/PoseStamped"));
-    const Entity twist = here.domain.reader("rt/cartesian3/measured_cv", geometry_msgs_msg_dds__TwistStamped__desc, reliable("geometry_msgs/msg/TwistStamped"));
-    const Entity wrench = here.domain.reader("rt/cartesian3/measured_cf", geometry_msgs_msg_dds__WrenchStamped__desc, reliable("geometry_msgs/msg/WrenchStamped"));
-    const Entity joints = here.domain.reader("rt/cartesian3/measured_js", sensor_msgs_msg_dds__JointState__desc, reliable("sensor_msgs/msg/JointState"));
-    const Entity state = here.domain.reader("rt/cartesian3/operating_state", crtk_msgs_msg_dds__OperatingState__desc, reliable("crtk_msgs/msg/OperatingState"));
-    const Entity joy = here.domain.reader("rt/cartesian3/joy", sensor_msgs_msg_dds__Joy__desc, reliable("sensor_msgs/msg/Joy"));
-    const Entity tf = here.domain.reader("rt/tf", tf2_msgs_msg_dds__TFMessage__desc, reliable("tf2_msgs/msg/TFMessage"));
-    const Entity diagnostics = here.domain.reader("rt/diagnostics", diagnostic_msgs_msg_dds__DiagnosticArray__desc, reliable("diagnostic_msgs/msg/DiagnosticArray"));
+    const Entity pose =
+        here.domain.reader("rt/cartesian3/measured_cp", geometry_msgs_msg_dds__PoseStamped__desc,
+                           reliable("geometry_msgs/msg/PoseStamped"));
+    const Entity twist =
+        here.domain.reader("rt/cartesian3/measured_cv", geometry_msgs_msg_dds__TwistStamped__desc,
+                           reliable("geometry_msgs/msg/TwistStamped"));
+    const Entity wrench =
+        here.domain.reader("rt/cartesian3/measured_cf", geometry_msgs_msg_dds__WrenchStamped__desc,
+                           reliable("geometry_msgs/msg/WrenchStamped"));
+    const Entity joints =
+        here.domain.reader("rt/cartesian3/measured_js", sensor_msgs_msg_dds__JointState__desc,
+                           reliable("sensor_msgs/msg/JointState"));
+    const Entity state =
+        here.domain.reader("rt/cartesian3/operating_state", crtk_msgs_msg_dds__OperatingState__desc,
+                           reliable("crtk_msgs/msg/OperatingState"));
+    const Entity joy = here.domain.reader("rt/cartesian3/joy", sensor_msgs_msg_dds__Joy__desc,
+                                          reliable("sensor_msgs/msg/Joy"));
+    const Entity tf =
+        here.domain.reader("rt/tf", tf2_msgs_msg_dds__TFMessage__desc, reliable("tf2_msgs/msg/TFMessage"));
+    const Entity diagnostics =
+        here.domain.reader("rt/diagnostics", diagnostic_msgs_msg_dds__DiagnosticArray__desc,
+                           reliable("diagnostic_msgs/msg/DiagnosticArray"));
 
     Watch watch;
     const auto report = watch.observer.newest(10s);
@@ -51,20 +64,26 @@ TEST(DdsRobot, what_the_hand_does_is_written_as_ros_names_it) {
         EXPECT_STREQ(said.header.frame_id, "cartesian3_base");
         const double age = static_cast<double>(::time(nullptr) - said.header.stamp.sec);
         EXPECT_LT(std::abs(age), 30) << "the time of the day at the read";
-        return std::abs(said.pose.position.x - report->position.x) < 1e-3 && said.pose.orientation.w == report->orientation.w;
+        return std::abs(said.pose.position.x - report->position.x) < 1e-3 &&
+               said.pose.orientation.w == report->orientation.w;
     }));
-    EXPECT_TRUE(comes<geometry_msgs_msg_dds__TwistStamped_>(twist, [](const auto& said) { return std::abs(said.twist.linear.x) < 0.1; }));
-    EXPECT_TRUE(comes<geometry_msgs_msg_dds__WrenchStamped_>(wrench, [](const auto& said) { return said.wrench.force.x == 0; }));
+    EXPECT_TRUE(comes<geometry_msgs_msg_dds__TwistStamped_>(
+        twist, [](const auto& said) { return std::abs(said.twist.linear.x) < 0.1; }));
+    EXPECT_TRUE(comes<geometry_msgs_msg_dds__WrenchStamped_>(
+        wrench, [](const auto& said) { return said.wrench.force.x == 0; }));
     EXPECT_TRUE(comes<sensor_msgs_msg_dds__JointState_>(joints, [](const auto& said) {
-        return said.position._length == 3 && said.name._length == 3 && std::string(said.name._buffer[0]) == "cartesian3_joint1";
+        return said.position._length == 3 && said.name._length == 3 &&
+               std::string(said.name._buffer[0]) == "cartesian3_joint1";
     }));
     EXPECT_TRUE(comes<crtk_msgs_msg_dds__OperatingState_>(state, [](const auto& said) {
         EXPECT_STREQ(said.state, "DISABLED") << "nobody may command it";
         return said.is_homed;
     }));
-    EXPECT_TRUE(comes<sensor_msgs_msg_dds__Joy_>(joy, [](const auto& said) { return said.buttons._length == 32; }));
+    EXPECT_TRUE(
+        comes<sensor_msgs_msg_dds__Joy_>(joy, [](const auto& said) { return said.buttons._length == 32; }));
     EXPECT_TRUE(comes<tf2_msgs_msg_dds__TFMessage_>(tf, [](const auto& said) {
-        return said.transforms._length == 1 && std::string(said.transforms._buffer[0].child_frame_id) == "cartesian3_hand";
+        return said.transforms._length == 1 &&
+               std::string(said.transforms._buffer[0].child_frame_id) == "cartesian3_hand";
     }));
     EXPECT_TRUE(comes<diagnostic_msgs_msg_dds__DiagnosticArray_>(diagnostics, [](const auto& said) {
         return said.status._length == 1 && std::string(said.status._buffer[0].message) == "idle";
@@ -75,9 +94,15 @@ TEST(DdsRobot, every_writer_says_the_hash_of_its_type) {
     ServoProcess servo;
     DdsProgram program({"--command", "cartesian3"});
     Here here;
-    const Entity pose = here.domain.reader("rt/cartesian3/measured_cp", geometry_msgs_msg_dds__PoseStamped__desc, reliable("geometry_msgs/msg/PoseStamped"));
-    const Entity found(dds_create_reader(here.domain.participant(), DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr), "built-in");
-    const Entity readers(dds_create_reader(here.domain.participant(), DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION, nullptr, nullptr), "built-in");
+    const Entity pose =
+        here.domain.reader("rt/cartesian3/measured_cp", geometry_msgs_msg_dds__PoseStamped__desc,
+                           reliable("geometry_msgs/msg/PoseStamped"));
+    const Entity found(
+        dds_create_reader(here.domain.participant(), DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr),
+        "built-in");
+    const Entity readers(
+        dds_create_reader(here.domain.participant(), DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION, nullptr, nullptr),
+        "built-in");
     std::set<std::string> topics;
     const auto look = [&](const Entity& reader) {
         const Taken<dds_builtintopic_endpoint_t, 100> taken(reader.get());
@@ -98,7 +123,8 @@ TEST(DdsRobot, every_writer_says_the_hash_of_its_type) {
     ASSERT_TRUE(eventually([&] {
         look(found);
         look(readers);
-        return topics.contains("rt/cartesian3/measured_js") && topics.contains("rt/cartesian3/representation/viscosity") &&
+        return topics.contains("rt/cartesian3/measured_js") &&
+               topics.contains("rt/cartesian3/representation/viscosity") &&
                topics.contains("rt/cartesian3/free");
     }));
 }
@@ -108,7 +134,9 @@ TEST(DdsRobot, a_writer_that_dies_ends_in_zero_force_by_a_ramp) {
     DdsProgram program({"--command", "cartesian3"});
     const auto writer = peer({"push", "rt/cartesian3/servo_cf", "0.4", "0", "0", "200"});
     Watch watch;
-    ASSERT_TRUE(watch.until([](const HandReport& r) { return client_test::is_active(r) && std::abs(r.sent_force.x - 0.4) < 1e-9; })) << program.program().said();
+    ASSERT_TRUE(watch.until([](const HandReport& r) {
+        return client_test::is_active(r) && std::abs(r.sent_force.x - 0.4) < 1e-9;
+    })) << program.program().said();
     while (watch.observer.next_report(0ns)) {
     }
     writer->end(SIGKILL);
@@ -147,8 +175,12 @@ TEST(DdsRobot, a_device_that_the_configuration_does_not_name_cannot_be_commanded
     ServoProcess servo;
     DdsProgram program;
     Here here;
-    const Entity pose = here.domain.reader("rt/cartesian3/measured_cp", geometry_msgs_msg_dds__PoseStamped__desc, reliable("geometry_msgs/msg/PoseStamped"));
-    const Entity force = here.domain.writer("rt/cartesian3/servo_cf", geometry_msgs_msg_dds__WrenchStamped__desc, {.message = "geometry_msgs/msg/WrenchStamped"});
+    const Entity pose =
+        here.domain.reader("rt/cartesian3/measured_cp", geometry_msgs_msg_dds__PoseStamped__desc,
+                           reliable("geometry_msgs/msg/PoseStamped"));
+    const Entity force =
+        here.domain.writer("rt/cartesian3/servo_cf", geometry_msgs_msg_dds__WrenchStamped__desc,
+                           {.message = "geometry_msgs/msg/WrenchStamped"});
     ASSERT_TRUE(comes<geometry_msgs_msg_dds__PoseStamped_>(pose, [](const auto&) { return true; }));
     dds_publication_matched_status_t status{};
     dds_get_publication_matched_status(force.get(), &status);
@@ -159,7 +191,9 @@ TEST(DdsRobot, a_peer_of_another_type_hash_is_told_and_not_felt) {
     ServoProcess servo;
     DdsProgram program({"--command", "cartesian3"});
     Here here;
-    const Entity force = here.domain.writer("rt/cartesian3/servo_cf", geometry_msgs_msg_dds__WrenchStamped__desc, {.message = "geometry_msgs/msg/Wrench"});
+    const Entity force =
+        here.domain.writer("rt/cartesian3/servo_cf", geometry_msgs_msg_dds__WrenchStamped__desc,
+                           {.message = "geometry_msgs/msg/Wrench"});
     geometry_msgs_msg_dds__WrenchStamped_ message{};
     std::string frame;
     message.header.frame_id = frame.data();
@@ -170,7 +204,8 @@ TEST(DdsRobot, a_peer_of_another_type_hash_is_told_and_not_felt) {
             std::this_thread::sleep_for(5ms);  // the rate of its messages
         }
     });
-    EXPECT_TRUE(program.program().says("build it with the same message definitions")) << program.program().said();
+    EXPECT_TRUE(program.program().says("build it with the same message definitions"))
+        << program.program().said();
     writer.request_stop();
     writer.join();
     Watch watch;
@@ -181,7 +216,9 @@ TEST(DdsRobot, it_finds_its_servo_again) {
     ServoProcess servo;
     DdsProgram program({"--command", "cartesian3"});
     const auto writer = peer({"push", "rt/cartesian3/servo_cf", "0.2", "0", "0", "200"});
-    const auto felt = [](const HandReport& r) { return client_test::is_active(r) && std::abs(r.sent_force.x - 0.2) < 1e-9; };
+    const auto felt = [](const HandReport& r) {
+        return client_test::is_active(r) && std::abs(r.sent_force.x - 0.2) < 1e-9;
+    };
     {
         Watch watch;
         ASSERT_TRUE(watch.until(felt));

@@ -24,7 +24,7 @@ import time
 from pathlib import Path
 
 SKIPPED = 77
-PATIENCE = 20.0
+PATIENCE = 60.0
 LEASE = 5.0  # DomainOptions::lease
 
 
@@ -48,6 +48,8 @@ class Room:
         lab.spaces.append(self.space)
         ip("-n", lab.bridge, "link", "add", self.link, "type", "veth", "peer", "name", "eth0", "netns", self.space)
         ip("-n", lab.bridge, "link", "set", self.link, "master", "br0", "up")
+        self.mac = f"02:77:00:00:{number // 256:02x}:{number % 256:02x}"
+        ip("-n", self.space, "link", "set", "eth0", "address", self.mac)
         ip("-n", self.space, "addr", "add", f"{self.address}/16", "dev", "eth0")
         ip("-n", self.space, "link", "set", "eth0", "up")
         ip("-n", self.space, "link", "set", "lo", "up")
@@ -121,6 +123,11 @@ class Lab:
         ip("-n", self.bridge, "link", "set", "br0", "up")
         for number in range(count):
             self.rooms.append(Room(self, number))
+        # All namespaces share one table of neighbours, in which 1024 have room; permanent ones do not count. Without this 33
+        # rooms cannot all speak to each other, which says nothing of DDS.
+        everybody = "".join(f"neigh replace {room.address} lladdr {room.mac} dev eth0 nud permanent\n" for room in self.rooms)
+        for room in self.rooms:
+            subprocess.run(["ip", "-n", room.space, "-batch", "-"], input=everybody, check=True, capture_output=True, text=True)
 
     def close(self):
         for room in self.rooms:

@@ -17,13 +17,17 @@ TEST(DdsTypeHash, are_those_of_ros_2) {
     const std::map<std::string, std::string> published{
         {"std_msgs/msg/Empty", "20b625256f32d5dbc0d04fee44f43c41e51c70d3502f84b4a08e7a9c26a96312"},
         {"geometry_msgs/msg/PoseStamped", "10f3786d7d40fd2b54367835614bff85d4ad3b5dab62bf8bca0cc232d73b4cd8"},
-        {"geometry_msgs/msg/TwistStamped", "5f0fcd4f81d5d06ad9b4c4c63e3ea51b82d6ae4d0558f1d475229b1121db6f64"},
-        {"geometry_msgs/msg/WrenchStamped", "8dc3deaf06b2ab281f9f9a742a8961c328ca7cec16e3fd6586d3a5c83fa78f77"},
-        {"geometry_msgs/msg/TransformStamped", "0a241f87d04668d94099cbb5ba11691d5ad32c2f29682e4eb5653424bd275206"},
+        {"geometry_msgs/msg/TwistStamped",
+         "5f0fcd4f81d5d06ad9b4c4c63e3ea51b82d6ae4d0558f1d475229b1121db6f64"},
+        {"geometry_msgs/msg/WrenchStamped",
+         "8dc3deaf06b2ab281f9f9a742a8961c328ca7cec16e3fd6586d3a5c83fa78f77"},
+        {"geometry_msgs/msg/TransformStamped",
+         "0a241f87d04668d94099cbb5ba11691d5ad32c2f29682e4eb5653424bd275206"},
         {"tf2_msgs/msg/TFMessage", "e369d0f05a23ae52508854b66f6aa0437f3449d652e8cbf22d5abe85d020f087"},
         {"sensor_msgs/msg/JointState", "a13ee3a330e346c9d87b5aa18d24e11690752bd33a0350f11c5882bc9179260e"},
         {"sensor_msgs/msg/Joy", "0d356c79cad3401e35ffeb75a96a96e08be3ef896b8b83841d73e890989372c5"},
-        {"diagnostic_msgs/msg/DiagnosticArray", "5a8a36efb05fb25070fa0fb3810290c0e6cd4862b54a8fb975a1ee8dc55a333e"},
+        {"diagnostic_msgs/msg/DiagnosticArray",
+         "5a8a36efb05fb25070fa0fb3810290c0e6cd4862b54a8fb975a1ee8dc55a333e"},
         {"crtk_msgs/msg/OperatingState", "5cc57eea589b217fe5194bf2735b91d4a7f2dd5ac1245ae657f7ea7590c2c80e"},
         {"crtk_msgs/msg/StringStamped", "83efb802e6596e03f69ac322e3231037329946f2bd13ed48874d97f5b8f5db1d"},
     };
@@ -43,7 +47,8 @@ TEST(DdsKinds, have_a_message_each_but_those_of_a_mesh) {
     EXPECT_EQ(kind_messages().size() + 1, kinds().size());
     for (const KindMessage& message : kind_messages()) {
         EXPECT_EQ(message.fields.size(), kinds()[message.kind].fields.size());
-        EXPECT_EQ(message.descriptor->m_typename, dds_type_name("knurl_msgs/msg/" + std::string(message.type)));
+        EXPECT_EQ(message.descriptor->m_typename,
+                  dds_type_name("knurl_msgs/msg/" + std::string(message.type)));
         EXPECT_NE(type_hash("knurl_msgs/msg/" + std::string(message.type)), "");
     }
 }
@@ -81,7 +86,9 @@ TEST(DdsKinds, a_sequence_that_does_not_fit_is_refused_whatever_length_it_states
     std::vector<std::byte> params;
     for (const std::uint32_t length : {0u, 2u, 9u, 1000u, 4'000'000'000u}) {
         sent.vertices._length = sent.vertices._maximum = length;
-        EXPECT_NE(read_params(message_of("polygon"), &sent, params).find("polygon.vertices has"), std::string::npos) << length;
+        EXPECT_NE(read_params(message_of("polygon"), &sent, params).find("polygon.vertices has"),
+                  std::string::npos)
+            << length;
     }
     sent.vertices._length = sent.vertices._maximum = 3;
     EXPECT_EQ(read_params(message_of("polygon"), &sent, params), "");

@@ -70,9 +70,9 @@ ClientState::ClientState(const std::string& address, const ConnectOptions& optio
             const auto left = std::chrono::floor<milliseconds>(deadline - Clock::now());
             if (left < first_try)
                 throw Error(error.kind,
-                            detail::format("{} (waited {} ms{})", error.what(), options_.wait.count(),
-                                           bridge_.empty() && !registry_ ? instead_of(servo_, error)
-                                                                         : std::string()));
+                            detail::format(
+                                "{} (waited {} ms{})", error.what(), options_.wait.count(),
+                                bridge_.empty() && !registry_ ? instead_of(servo_, error) : std::string()));
             std::this_thread::sleep_for(std::min(pause, left));
             if (error.kind == Error::Kind::refused) pause = std::min(2 * pause, last_try);
         }
@@ -96,9 +96,9 @@ std::unique_ptr<Link> ClientState::open_link(const std::string& servo,
     const char* key = std::getenv("KNURL_KEY");
     return bridge::connect_remote(
         bridge, {.client_name = name,
-                  .answer_time = answer_time,
-                  .report_rate = options_.report_rate,
-                  .key_file = options_.key_file.empty() && key != nullptr ? key : options_.key_file});
+                 .answer_time = answer_time,
+                 .report_rate = options_.report_rate,
+                 .key_file = options_.key_file.empty() && key != nullptr ? key : options_.key_file});
 }
 
 void ClientState::throw_disconnected() const {

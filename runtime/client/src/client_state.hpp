@@ -48,7 +48,8 @@ class ClientState {
     using Lock = std::unique_lock<std::mutex>;
 
     std::unique_ptr<Link> open_link() const;
-    std::unique_ptr<Link> open_link(const std::string& servo, const std::vector<bridge::Endpoint>& bridge) const;
+    std::unique_ptr<Link> open_link(const std::string& servo,
+                                    const std::vector<bridge::Endpoint>& bridge) const;
     void watch();
     bool sleep_on(int descriptor, std::chrono::milliseconds timeout);  // false: close() was called
     void lose_link();
@@ -59,8 +60,9 @@ class ClientState {
 
     const std::uint64_t made_in_ = fork_generation();
     const std::optional<protocol::RegistryAddress> registry_;  // it is looked up anew for each attempt
-    const std::vector<bridge::Endpoint> bridge_;  // its addresses; none: a local servo, or one of the registry
-    const std::string servo_;                     // its name; through a bridge: host and port
+    const std::vector<bridge::Endpoint>
+        bridge_;               // its addresses; none: a local servo, or one of the registry
+    const std::string servo_;  // its name; through a bridge: host and port
     const ConnectOptions options_;
     const bool hints_;
     shm::UniqueFd stop_;  // readable: the watcher ends

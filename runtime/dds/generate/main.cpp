@@ -27,7 +27,8 @@ struct KindMessage {
 template <class R>
 KindMessage message_of() {
     const R params{};
-    KindMessage made{.info = &knurl::kinds()[knurl::kind_of<R>], .defaults = std::vector<std::byte>(sizeof params)};
+    KindMessage made{.info = &knurl::kinds()[knurl::kind_of<R>],
+                     .defaults = std::vector<std::byte>(sizeof params)};
     std::memcpy(made.defaults.data(), &params, sizeof params);
     return made;
 }
@@ -135,31 +136,39 @@ void write_idl(std::ostream& out, const std::vector<KindMessage>& kinds) {
            "    @final struct Remove_ { std_msgs::msg::dds_::Header_ header; string id; };\n";
     for (const KindMessage& kind : kinds) {
         out << "    @final struct " << type_name(kind.info->name)
-            << "_ {\n        std_msgs::msg::dds_::Header_ header;\n        string id;\n        unsigned long probe;\n";
-        for (const Field& field : kind.info->fields) out << "        " << idl_type(field) << " _" << member(field) << ";\n";
+            << "_ {\n        std_msgs::msg::dds_::Header_ header;\n        string id;\n        unsigned long "
+               "probe;\n";
+        for (const Field& field : kind.info->fields)
+            out << "        " << idl_type(field) << " _" << member(field) << ";\n";
         out << "    };\n";
     }
     out << "}; }; };\n";
 }
 
 void write_table(std::ostream& out, const std::vector<KindMessage>& kinds) {
-    out << "// Made from the tables of the representations.\n#include <array>\n#include <cstddef>\n\n#include \"kind_message.hpp\"\n"
+    out << "// Made from the tables of the representations.\n#include <array>\n#include "
+           "<cstddef>\n\n#include \"kind_message.hpp\"\n"
            "#include \"knurl_msgs.h\"\n\nnamespace knurl::dds {\n\nnamespace {\n\n";
     for (const KindMessage& kind : kinds) {
         const std::string c_name = "knurl_msgs_msg_dds__" + type_name(kind.info->name) + "_";
-        out << "constexpr std::array<std::size_t, " << kind.info->fields.size() << "> offsets_" << kind.info->name << "{{\n";
-        for (const Field& field : kind.info->fields) out << "    offsetof(" << c_name << ", " << member(field) << "),\n";
-        out << "}};\nconstexpr std::array<unsigned char, " << kind.defaults.size() << "> defaults_" << kind.info->name << "{{";
+        out << "constexpr std::array<std::size_t, " << kind.info->fields.size() << "> offsets_"
+            << kind.info->name << "{{\n";
+        for (const Field& field : kind.info->fields)
+            out << "    offsetof(" << c_name << ", " << member(field) << "),\n";
+        out << "}};\nconstexpr std::array<unsigned char, " << kind.defaults.size() << "> defaults_"
+            << kind.info->name << "{{";
         for (const std::byte byte : kind.defaults) out << std::to_integer<int>(byte) << ",";
         out << "}};\n";
     }
-    out << "\n}  // namespace\n\nstd::span<const KindMessage> kind_messages() {\n    static const std::array<KindMessage, "
+    out << "\n}  // namespace\n\nstd::span<const KindMessage> kind_messages() {\n    static const "
+           "std::array<KindMessage, "
         << kinds.size() << "> all{{\n";
     for (const KindMessage& kind : kinds) {
         const std::string type = type_name(kind.info->name), c_name = "knurl_msgs_msg_dds__" + type + "_";
-        out << "        {" << kind.info - knurl::kinds().data() << ", \"" << type << "\", &" << c_name << "_desc, sizeof(" << c_name
-            << "), offsetof(" << c_name << ", header), offsetof(" << c_name << ", id), offsetof(" << c_name
-            << ", probe), offsets_" << kind.info->name << ", defaults_" << kind.info->name << "},\n";
+        out << "        {" << kind.info - knurl::kinds().data() << ", \"" << type << "\", &" << c_name
+            << "_desc, sizeof(" << c_name << "), offsetof(" << c_name << ", header), offsetof(" << c_name
+            << ", id), offsetof(" << c_name << ", probe), offsets_" << kind.info->name << ", defaults_"
+            << kind.info->name << "},\n";
     }
     out << "    }};\n    return all;\n}\n\n}  // namespace knurl::dds\n";
 }
@@ -167,13 +176,16 @@ void write_table(std::ostream& out, const std::vector<KindMessage>& kinds) {
 void write_msg(std::ostream& out, const KindMessage& kind) {
     out << "# A " << kind.info->name << (kind.info->surface ? ", a surface" : ", an effect")
         << ", in the frame <device>_base. Lengths in m, forces in N.\nstd_msgs/Header header\n"
-           "# Names it among those of this node: the first message adds it, later ones change it.\nstring id\nuint32 probe\n";
+           "# Names it among those of this node: the first message adds it, later ones change it.\nstring "
+           "id\nuint32 probe\n";
     for (const Field& field : kind.info->fields) {
-        out << "# " << field.meaning << (field.unit.empty() || field.unit == "1" ? "" : " (" + std::string(field.unit) + ")")
+        out << "# " << field.meaning
+            << (field.unit.empty() || field.unit == "1" ? "" : " (" + std::string(field.unit) + ")")
             << (field.infinity_allowed ? "; .inf: as stiff as the device allows" : "")
             << (field.automatic_allowed ? "; -1: automatic" : "") << "\n";
         for (std::size_t i = 0; i < field.choices.size(); ++i)
-            out << "uint32 " << upper(member(field)) << "_" << upper(std::string(field.choices[i])) << "=" << i << "\n";
+            out << "uint32 " << upper(member(field)) << "_" << upper(std::string(field.choices[i])) << "="
+                << i << "\n";
         out << msg_type(field) << " " << member(field) << msg_default(field, kind.defaults) << "\n";
     }
 }
@@ -181,7 +193,8 @@ void write_msg(std::ostream& out, const KindMessage& kind) {
 void write_ros_package(const std::filesystem::path& folder, const std::vector<KindMessage>& kinds) {
     std::filesystem::create_directories(folder / "msg");
     std::ofstream remove(folder / "msg" / "Remove.msg");
-    remove << "# Removes what this node has added under that id; an empty one: all of it.\nstd_msgs/Header header\nstring id\n";
+    remove << "# Removes what this node has added under that id; an empty one: all of it.\nstd_msgs/Header "
+              "header\nstring id\n";
     std::string files = "  \"msg/Remove.msg\"\n";
     for (const KindMessage& kind : kinds) {
         const std::string name = type_name(kind.info->name);
@@ -190,15 +203,20 @@ void write_ros_package(const std::filesystem::path& folder, const std::vector<Ki
         files += "  \"msg/" + name + ".msg\"\n";
     }
     std::ofstream(folder / "package.xml")
-        << "<?xml version=\"1.0\"?>\n<package format=\"3\">\n  <name>knurl_msgs</name>\n  <version>0.1.0</version>\n"
-           "  <description>Representations of Knurl, a haptics server</description>\n  <maintainer email=\"knurl@localhost\">Knurl</maintainer>\n"
+        << "<?xml version=\"1.0\"?>\n<package format=\"3\">\n  <name>knurl_msgs</name>\n  "
+           "<version>0.1.0</version>\n"
+           "  <description>Representations of Knurl, a haptics server</description>\n  <maintainer "
+           "email=\"knurl@localhost\">Knurl</maintainer>\n"
            "  <license>See Knurl</license>\n  <buildtool_depend>ament_cmake</buildtool_depend>\n"
-           "  <buildtool_depend>rosidl_default_generators</buildtool_depend>\n  <depend>std_msgs</depend>\n  <depend>geometry_msgs</depend>\n"
-           "  <exec_depend>rosidl_default_runtime</exec_depend>\n  <member_of_group>rosidl_interface_packages</member_of_group>\n"
+           "  <buildtool_depend>rosidl_default_generators</buildtool_depend>\n  <depend>std_msgs</depend>\n  "
+           "<depend>geometry_msgs</depend>\n"
+           "  <exec_depend>rosidl_default_runtime</exec_depend>\n  "
+           "<member_of_group>rosidl_interface_packages</member_of_group>\n"
            "  <export><build_type>ament_cmake</build_type></export>\n</package>\n";
     std::ofstream(folder / "CMakeLists.txt")
         << "cmake_minimum_required(VERSION 3.8)\nproject(knurl_msgs)\nfind_package(ament_cmake REQUIRED)\n"
-           "find_package(rosidl_default_generators REQUIRED)\nfind_package(std_msgs REQUIRED)\nfind_package(geometry_msgs REQUIRED)\n"
+           "find_package(rosidl_default_generators REQUIRED)\nfind_package(std_msgs "
+           "REQUIRED)\nfind_package(geometry_msgs REQUIRED)\n"
            "rosidl_generate_interfaces(${PROJECT_NAME}\n"
         << files << "  DEPENDENCIES std_msgs geometry_msgs)\nament_package()\n";
 }

@@ -57,7 +57,9 @@ struct CommandDesk::Lag {
 CommandDesk::CommandDesk(CommandOptions options) : options_(std::move(options)), enabled_(options_.enabled) {
     if (!options_.wall_clock) options_.wall_clock = real_time;
     if (!options_.make_hand)
-        options_.make_hand = [](gateway::PeerOptions peer) { return std::make_unique<gateway::PeerHand>(std::move(peer)); };
+        options_.make_hand = [](gateway::PeerOptions peer) {
+            return std::make_unique<gateway::PeerHand>(std::move(peer));
+        };
 }
 
 CommandDesk::~CommandDesk() = default;
@@ -86,8 +88,8 @@ bool CommandDesk::may_command(const Origin& from, std::string_view what) {
     if (from.id.empty()) return false;  // its writer has gone meanwhile
     const auto& allowed = options_.from;
     if (allowed.empty() || std::find(allowed.begin(), allowed.end(), from.host) != allowed.end()) return true;
-    say(fmt::format("{}: {} is not from a host that may command '{}' ({}): ignored", what, from.text, options_.device,
-                    fmt::join(allowed, ", ")));
+    say(fmt::format("{}: {} is not from a host that may command '{}' ({}): ignored", what, from.text,
+                    options_.device, fmt::join(allowed, ", ")));
     return false;
 }
 
@@ -105,24 +107,29 @@ bool CommandDesk::fresh(const Origin& from, const Head& head, std::string_view w
     if (took - lag.shortest > most) {
         if (!lag.late) lag.late = now;
         if (now - *lag.late < 1s) {
-            say(fmt::format("{} of {} came {:.0f} ms late: ignored", what, from.text, seconds(took - lag.shortest) * 1e3));
+            say(fmt::format("{} of {} came {:.0f} ms late: ignored", what, from.text,
+                            seconds(took - lag.shortest) * 1e3));
             return false;
         }
-        say(fmt::format("the clock of {} or of this host has been set back; its messages count again", from.text));
+        say(fmt::format("the clock of {} or of this host has been set back; its messages count again",
+                        from.text));
         lag.shortest = took;
     }
     lag.late.reset();
     // By the sender's own clock.
     const std::int64_t age = from.written_ns - head.stamp_ns;
     if (head.stamp_ns != 0 && std::abs(age) > most) {
-        say(fmt::format("{} of {}: header.stamp is {:.3g} s {} than its sending; stamp it when it is sent, or leave 0: ignored",
+        say(
+            fmt::format("{} of {}: header.stamp is {:.3g} s {} than its sending; stamp it when it is sent, "
+                        "or leave 0: ignored",
                         what, from.text, seconds(std::abs(age)), age > 0 ? "older" : "later"));
         return false;
     }
     return true;
 }
 
-bool CommandDesk::in_frame(const Origin& from, const Head& head, const std::string& frame, std::string_view what) {
+bool CommandDesk::in_frame(const Origin& from, const Head& head, const std::string& frame,
+                           std::string_view what) {
     if (head.frame.empty() || head.frame == frame) return true;
     say(fmt::format("{} of {}: frame_id is '{}'; give '{}', or leave it empty: ignored", what, from.text,
                     words::printable(head.frame, 60), frame));
@@ -132,15 +139,17 @@ bool CommandDesk::in_frame(const Origin& from, const Head& head, const std::stri
 bool CommandDesk::admit(const Origin& from, const Head& head, std::string_view what) {
     if (!may_command(from, what) || !fresh(from, head, what)) return false;
     if (enabled_ && !paused_) return true;
-    say(fmt::format("{} of {}: the device '{}' is {}; send state_command '{}' first: ignored", what, from.text, options_.device,
-                    paused_ ? "paused" : "disabled", paused_ ? "resume" : "enable"));
+    say(fmt::format("{} of {}: the device '{}' is {}; send state_command '{}' first: ignored", what,
+                    from.text, options_.device, paused_ ? "paused" : "disabled",
+                    paused_ ? "resume" : "enable"));
     return false;
 }
 
 bool CommandDesk::take_lead(const Origin& from, std::string_view what) {
     const Time now = options_.clock();
     if (!leader_.empty() && leader_ != from.id && now < led_at_ + options_.hold_on) {
-        say(fmt::format("{} of {}: '{}' is commanded by {}; one at a time: ignored", what, from.text, options_.device, leader_text_));
+        say(fmt::format("{} of {}: '{}' is commanded by {}; one at a time: ignored", what, from.text,
+                        options_.device, leader_text_));
         return false;
     }
     leader_ = from.id;
@@ -152,7 +161,8 @@ bool CommandDesk::take_lead(const Origin& from, std::string_view what) {
 CommandDesk::Hand* CommandDesk::hand_of(const Origin& from) {
     if (const auto found = hands_.find(from.id); found != hands_.end()) return &found->second;
     if (hands_.size() >= most_peers) {
-        say(fmt::format("{} peers command '{}' already; {} has to wait until one is gone", most_peers, options_.device, from.text));
+        say(fmt::format("{} peers command '{}' already; {} has to wait until one is gone", most_peers,
+                        options_.device, from.text));
         return nullptr;
     }
     gateway::PeerOptions peer;
@@ -173,8 +183,11 @@ void CommandDesk::refuse(const Origin& from, const std::string& why) {
 
 void CommandDesk::force(const Origin& from, const Head& head, Vec3 force, Vec3 torque, bool body) {
     const std::string_view what = body ? "body/servo_cf" : "servo_cf";
-    if (!admit(from, head, what) || !in_frame(from, head, body ? options_.tip_frame : options_.base_frame, what)) return;
-    if (!finite(force) || !finite(torque)) return refuse(from, fmt::format("{} is not a finite number", what));
+    if (!admit(from, head, what) ||
+        !in_frame(from, head, body ? options_.tip_frame : options_.base_frame, what))
+        return;
+    if (!finite(force) || !finite(torque))
+        return refuse(from, fmt::format("{} is not a finite number", what));
     if (!take_lead(from, what)) return;
     Hand* hand = hand_of(from);
     if (hand == nullptr) return;
@@ -186,7 +199,8 @@ void CommandDesk::force(const Origin& from, const Head& head, Vec3 force, Vec3 t
         torque = to_plain(turn * to_eigen(torque));
     }
     hand->held.reset();
-    if (std::string refused = hand->claim->push(force, torque, what); !refused.empty()) return refuse(from, refused);
+    if (std::string refused = hand->claim->push(force, torque, what); !refused.empty())
+        return refuse(from, refused);
     hand->claim->sent();
 }
 
@@ -197,7 +211,8 @@ void CommandDesk::place(const Origin& from, const Head& head, const Vec3& positi
     Hand* hand = hand_of(from);
     if (hand == nullptr) return;
     hand->held.reset();
-    if (std::string refused = hand->claim->pull(position, "servo_cp"); !refused.empty()) return refuse(from, refused);
+    if (std::string refused = hand->claim->pull(position, "servo_cp"); !refused.empty())
+        return refuse(from, refused);
     hand->claim->sent();
 }
 
@@ -206,7 +221,8 @@ void CommandDesk::hold(const Origin& from) {
     Hand* hand = hand_of(from);
     if (hand == nullptr) return;
     hand->held = report_->position;
-    if (std::string refused = hand->claim->pull(*hand->held, "hold"); !refused.empty()) return refuse(from, refused);
+    if (std::string refused = hand->claim->pull(*hand->held, "hold"); !refused.empty())
+        return refuse(from, refused);
     hand->claim->sent();
 }
 
@@ -225,7 +241,10 @@ void CommandDesk::word(const Origin& from, std::string_view said) {
     static const std::vector<std::string> words{"enable", "disable", "pause", "resume", "home", "unhome"};
     if (said == "enable" || said == "resume") {
         if (report_ && report_->state == DeviceState::fault)
-            return refuse(from, fmt::format("state_command '{}': '{}' is in fault; reset it on its host (`knurl reset`)", said, options_.device));
+            return refuse(
+                from,
+                fmt::format("state_command '{}': '{}' is in fault; reset it on its host (`knurl reset`)",
+                            said, options_.device));
         enabled_ = enabled_ || said == "enable";
         paused_ = false;
     } else if (said == "disable" || said == "pause") {
@@ -237,19 +256,24 @@ void CommandDesk::word(const Origin& from, std::string_view said) {
         refuse(from, "state_command 'unhome': what its servo has calibrated stays so");
     } else if (said != "home") {
         refuse(from, fmt::format("state_command '{}': {}", knurl::words::printable(said, 60),
-                                 knurl::words::did_you_mean(said, words, "give enable, disable, pause, resume, home or unhome")));
+                                 knurl::words::did_you_mean(
+                                     said, words, "give enable, disable, pause, resume, home or unhome")));
     }
 }
 
-void CommandDesk::put(const Origin& from, const Head& head, const std::string& id, std::uint32_t probe, Kind kind,
-                      const std::vector<std::byte>& params) {
+void CommandDesk::put(const Origin& from, const Head& head, const std::string& id, std::uint32_t probe,
+                      Kind kind, const std::vector<std::byte>& params) {
     const std::string_view what = kinds()[kind].name;
     if (!admit(from, head, what) || !in_frame(from, head, options_.base_frame, what)) return;
-    if (id.size() > longest_id) return refuse(from, fmt::format("{}: its id has {} bytes; give at most {}", what, id.size(), longest_id));
+    if (id.size() > longest_id)
+        return refuse(from,
+                      fmt::format("{}: its id has {} bytes; give at most {}", what, id.size(), longest_id));
     if (const Verdict verdict = kinds()[kind].validate(params.data()); !verdict) {
         const auto fields = kinds()[kind].fields;
-        return refuse(from, fmt::format("{}{}{} = {:g} cannot be", what, verdict.field < fields.size() ? "." : "",
-                                        verdict.field < fields.size() ? fields[verdict.field].name : "", verdict.value));
+        return refuse(
+            from,
+            fmt::format("{}{}{} = {:g} cannot be", what, verdict.field < fields.size() ? "." : "",
+                        verdict.field < fields.size() ? fields[verdict.field].name : "", verdict.value));
     }
     Hand* hand = hand_of(from);
     if (hand == nullptr) return;
@@ -280,7 +304,9 @@ void CommandDesk::remove(const Origin& from, const std::string& id) {
         any = true;
         return true;
     });
-    if (!any) return refuse(from, fmt::format("remove: it has added nothing with the id '{}'", words::printable(id, longest_id)));
+    if (!any)
+        return refuse(from, fmt::format("remove: it has added nothing with the id '{}'",
+                                        words::printable(id, longest_id)));
     hand.claim->sent();
 }
 

@@ -24,8 +24,10 @@ class ConfigReader {
         return std::runtime_error(fmt::format("{}:{}:{}: {}", path_, at.begin.line, at.begin.column, what));
     }
     std::runtime_error unknown(const toml::key& key, const std::vector<std::string_view>& known) const {
-        return error(key.source(), fmt::format("unknown key \"{}\"; {}", words::printable(key.str(), 60),
-                                               words::did_you_mean(key.str(), known, fmt::format("known here: {}", fmt::join(known, ", ")))));
+        return error(key.source(),
+                     fmt::format("unknown key \"{}\"; {}", words::printable(key.str(), 60),
+                                 words::did_you_mean(key.str(), known,
+                                                     fmt::format("known here: {}", fmt::join(known, ", ")))));
     }
     std::string text(const toml::node& node, std::string_view key) const {
         if (const auto value = node.value_exact<std::string>()) return *value;
@@ -55,7 +57,8 @@ class ConfigReader {
     std::string name(const toml::node& node, std::string_view key) const {
         const std::string value = text(node, key);
         if (!protocol::is_name(value))
-            throw error(node.source(), fmt::format("{} = \"{}\" is no name; use letters, digits, _ . and -", key, words::printable(value, 60)));
+            throw error(node.source(), fmt::format("{} = \"{}\" is no name; use letters, digits, _ . and -",
+                                                   key, words::printable(value, 60)));
         return value;
     }
     std::chrono::nanoseconds time(const toml::node& node, std::string_view key) const {
@@ -69,12 +72,15 @@ class ConfigReader {
 /// A name of ROS: letters, digits, _ and /.
 void require_topic(const ConfigReader& read, const toml::source_region& at, const std::string& name) {
     constexpr std::string_view legal = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_/";
-    if (name.empty() || name.find_first_not_of(legal) != std::string::npos || name.ends_with('/') || name.find("//") != std::string::npos)
-        throw read.error(at, fmt::format("\"{}\" is no name of a topic; use letters, digits, _ and /", words::printable(name, 60)));
+    if (name.empty() || name.find_first_not_of(legal) != std::string::npos || name.ends_with('/') ||
+        name.find("//") != std::string::npos)
+        throw read.error(at, fmt::format("\"{}\" is no name of a topic; use letters, digits, _ and /",
+                                         words::printable(name, 60)));
 }
 
 CommandRule command_rule(const ConfigReader& read, const toml::table& table) {
-    static const std::vector<std::string_view> known{"device", "from", "deadline", "lifespan", "enabled", "representations"};
+    static const std::vector<std::string_view> known{"device",   "from",    "deadline",
+                                                     "lifespan", "enabled", "representations"};
     CommandRule rule;
     for (auto&& [key, node] : table) {
         const std::string_view said = key.str();
@@ -93,14 +99,17 @@ CommandRule command_rule(const ConfigReader& read, const toml::table& table) {
         else
             throw read.unknown(key, known);
     }
-    if (rule.device.empty()) throw read.error(table.source(), "[[command]] names no device; add device = \"NAME\"");
+    if (rule.device.empty())
+        throw read.error(table.source(), "[[command]] names no device; add device = \"NAME\"");
     return rule;
 }
 
 void read_commands(const ConfigReader& read, const toml::node& node, Config& config) {
     const toml::array* all = node.as_array();
-    if (all == nullptr) throw read.error(node.source(), "command must be an array of tables; write [[command]]");
-    for (const toml::node& each : *all) config.robot.commands.push_back(command_rule(read, read.table(each, "command")));
+    if (all == nullptr)
+        throw read.error(node.source(), "command must be an array of tables; write [[command]]");
+    for (const toml::node& each : *all)
+        config.robot.commands.push_back(command_rule(read, read.table(each, "command")));
 }
 
 void read_rates(const ConfigReader& read, const toml::table& table, Config& config) {
@@ -123,8 +132,8 @@ void read_remap(const ConfigReader& read, const toml::table& table, Config& conf
 }
 
 void read_key(const ConfigReader& read, const toml::key& key, const toml::node& node, Config& config) {
-    static const std::vector<std::string_view> known{"servo", "name",  "domain", "interface", "peers",  "namespace",
-                                                     "bridge", "rates", "remap",  "command"};
+    static const std::vector<std::string_view> known{"servo",     "name",   "domain", "interface", "peers",
+                                                     "namespace", "bridge", "rates",  "remap",     "command"};
     const std::string_view said = key.str();
     if (said == "servo") {
         config.robot.servo = read.text(node, said);
@@ -172,7 +181,8 @@ void read_config(const std::filesystem::path& file, Config& config) {
     std::ostringstream text;
     text << in.rdbuf();
     if (!in || !std::filesystem::is_regular_file(file))
-        throw std::runtime_error(fmt::format("{}: cannot be read; is it a file that this user may read?", file.string()));
+        throw std::runtime_error(
+            fmt::format("{}: cannot be read; is it a file that this user may read?", file.string()));
     read_config_text(text.str(), file.string(), config);
 }
 

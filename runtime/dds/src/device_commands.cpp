@@ -38,18 +38,21 @@ std::vector<const KindMessage*> kinds_of(const CommandRule& rule) {
         const std::string_view name = kinds()[message.kind].name;
         names.push_back(name);
         const auto& wanted = rule.representations;
-        if (wanted.empty() || std::find(wanted.begin(), wanted.end(), name) != wanted.end()) found.push_back(&message);
+        if (wanted.empty() || std::find(wanted.begin(), wanted.end(), name) != wanted.end())
+            found.push_back(&message);
     }
     for (const std::string& name : rule.representations)
         if (std::find(names.begin(), names.end(), name) == names.end())
-            throw std::runtime_error(fmt::format("representations of '{}': no message is called '{}'; {}", rule.device, name,
-                                                 words::did_you_mean(name, names, fmt::format("there are {}", fmt::join(names, ", ")))));
+            throw std::runtime_error(fmt::format(
+                "representations of '{}': no message is called '{}'; {}", rule.device, name,
+                words::did_you_mean(name, names, fmt::format("there are {}", fmt::join(names, ", ")))));
     return found;
 }
 
 }  // namespace
 
-DeviceCommands::DeviceCommands(Domain& domain, const RobotOptions& options, const CommandRule& rule, CommandOptions desk)
+DeviceCommands::DeviceCommands(Domain& domain, const RobotOptions& options, const CommandRule& rule,
+                               CommandOptions desk)
     : domain_(domain), desk_(std::move(desk)) {
     const std::string device = messages::ros_name(rule.device) + "/";
     const auto topic = [&](const std::string& name) { return dds_topic(options, device + name); };
@@ -57,7 +60,8 @@ DeviceCommands::DeviceCommands(Domain& domain, const RobotOptions& options, cons
         add(domain, topic(body ? "body/servo_cf" : "servo_cf"), "geometry_msgs/msg/WrenchStamped",
             geometry_msgs_msg_dds__WrenchStamped__desc, [this, body](const Origin& from, const void* sample) {
                 const auto& said = *static_cast<const geometry_msgs_msg_dds__WrenchStamped_*>(sample);
-                desk_.force(from, head(said.header), plain(said.wrench.force), plain(said.wrench.torque), body);
+                desk_.force(from, head(said.header), plain(said.wrench.force), plain(said.wrench.torque),
+                            body);
             });
     add(domain, topic("servo_cp"), "geometry_msgs/msg/PoseStamped", geometry_msgs_msg_dds__PoseStamped__desc,
         [this](const Origin& from, const void* sample) {
@@ -79,11 +83,12 @@ DeviceCommands::DeviceCommands(Domain& domain, const RobotOptions& options, cons
         });
     for (const KindMessage* kind : kinds_of(rule)) {
         const std::string message = fmt::format("knurl_msgs/msg/{}", kind->type);
-        add(domain, topic(fmt::format("representation/{}", kinds()[kind->kind].name)), message.c_str(), *kind->descriptor,
-            [this, kind](const Origin& from, const void* sample) {
+        add(domain, topic(fmt::format("representation/{}", kinds()[kind->kind].name)), message.c_str(),
+            *kind->descriptor, [this, kind](const Origin& from, const void* sample) {
                 const auto* bytes = static_cast<const std::byte*>(sample);
                 std::vector<std::byte> params;
-                if (const std::string wrong = read_params(*kind, sample, params); !wrong.empty()) return desk_.refuse(from, wrong);
+                if (const std::string wrong = read_params(*kind, sample, params); !wrong.empty())
+                    return desk_.refuse(from, wrong);
                 const char* id = nullptr;
                 std::uint32_t probe = 0;
                 std_msgs_msg_dds__Header_ header;
@@ -95,19 +100,22 @@ DeviceCommands::DeviceCommands(Domain& domain, const RobotOptions& options, cons
     }
 }
 
-void DeviceCommands::add(Domain& domain, const std::string& topic, const char* message, const dds_topic_descriptor_t& type,
+void DeviceCommands::add(Domain& domain, const std::string& topic, const char* message,
+                         const dds_topic_descriptor_t& type,
                          std::function<void(const Origin&, const void*)> handle) {
     auto input = std::make_unique<Input>();
     input->message = message;
     // Best effort matches writers of both kinds; of a force only the newest counts. Several things are put or removed at once.
     const bool one = topic.find("/representation/") == std::string::npos;
-    input->reader = domain.reader(topic, type, {.message = message, .reliable = false, .depth = one ? 1 : 32});
+    input->reader =
+        domain.reader(topic, type, {.message = message, .reliable = false, .depth = one ? 1 : 32});
     input->take = [this, handle = std::move(handle), raw = input.get()](const Input& self) {
         for (;;) {
             const Taken<char> taken(self.reader.get());
             for (std::size_t i = 0; i < taken.size(); ++i)
                 if (taken.info(i).valid_data)
-                    if (const Origin from = origin(*raw, taken.info(i)); !from.id.empty()) handle(from, &taken[i]);
+                    if (const Origin from = origin(*raw, taken.info(i)); !from.id.empty())
+                        handle(from, &taken[i]);
             if (taken.size() < 32) return;
         }
     };
@@ -116,7 +124,8 @@ void DeviceCommands::add(Domain& domain, const std::string& topic, const char* m
 
 void DeviceCommands::attach(dds_entity_t waitset) {
     for (auto& input : inputs_) {
-        input->condition = Entity(dds_create_readcondition(input->reader.get(), DDS_ANY_STATE), "read condition");
+        input->condition =
+            Entity(dds_create_readcondition(input->reader.get(), DDS_ANY_STATE), "read condition");
         check(dds_waitset_attach(waitset, input->condition.get(), 0), "waitset");
     }
 }
@@ -125,7 +134,10 @@ Origin DeviceCommands::origin(Input& input, const dds_sample_info_t& info) {
     auto found = input.peers.find(info.publication_handle);
     if (found == input.peers.end()) {
         if (input.peers.size() >= most_peers_known) input.peers.clear();
-        found = input.peers.emplace(info.publication_handle, peer_of(input.reader.get(), info.publication_handle, input.message)).first;
+        found = input.peers
+                    .emplace(info.publication_handle,
+                             peer_of(input.reader.get(), info.publication_handle, input.message))
+                    .first;
         if (!found->second.wrong_type.empty()) domain_.say(found->second.wrong_type);
     }
     const Peer& peer = found->second;
@@ -143,9 +155,12 @@ void DeviceCommands::look_for_gone() {
     std::set<std::string> here;
     for (auto& input : inputs_) {
         std::vector<dds_instance_handle_t> writers(most_peers_known);
-        const dds_return_t count = dds_get_matched_publications(input->reader.get(), writers.data(), writers.size());
-        for (std::size_t i = 0; i < std::min<std::size_t>(static_cast<std::size_t>(std::max(count, 0)), writers.size()); ++i)
-            if (const auto known = input->peers.find(writers[i]); known != input->peers.end()) here.insert(known->second.id);
+        const dds_return_t count =
+            dds_get_matched_publications(input->reader.get(), writers.data(), writers.size());
+        for (std::size_t i = 0;
+             i < std::min<std::size_t>(static_cast<std::size_t>(std::max(count, 0)), writers.size()); ++i)
+            if (const auto known = input->peers.find(writers[i]); known != input->peers.end())
+                here.insert(known->second.id);
     }
     for (const std::string& id : held)
         if (!here.contains(id)) desk_.gone(id);

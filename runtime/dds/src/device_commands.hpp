@@ -33,8 +33,8 @@ class DeviceCommands {
         std::function<void(const Input&)> take;
         std::map<dds_instance_handle_t, Peer> peers;  // by writer
     };
-    void add(Domain& domain, const std::string& topic, const char* message, const dds_topic_descriptor_t& type,
-             std::function<void(const Origin&, const void*)> handle);
+    void add(Domain& domain, const std::string& topic, const char* message,
+             const dds_topic_descriptor_t& type, std::function<void(const Origin&, const void*)> handle);
     Origin origin(Input& input, const dds_sample_info_t& info);
 
     Domain& domain_;

@@ -35,8 +35,9 @@ geometry_msgs_msg_dds__Quaternion_ quaternion(const Quat& q) {
 
 const std::map<std::string, double>& default_rates() {
     static const std::map<std::string, double> rates{
-        {"measured_cp", 1000}, {"setpoint_cp", 1000}, {"measured_cv", 1000}, {"measured_cf", 1000}, {"measured_js", 250},
-        {"joy", 50},           {"operating_state", 10}, {"tf", 100},          {"diagnostics", 1}};
+        {"measured_cp", 1000},   {"setpoint_cp", 1000}, {"measured_cv", 1000},
+        {"measured_cf", 1000},   {"measured_js", 250},  {"joy", 50},
+        {"operating_state", 10}, {"tf", 100},           {"diagnostics", 1}};
     return rates;
 }
 
@@ -46,37 +47,43 @@ std::string dds_topic(const RobotOptions& options, const std::string& topic) {
     return "rt/" + (options.name_space.empty() ? topic : options.name_space + "/" + topic);
 }
 
-DeviceTopics::DeviceTopics(Domain& domain, const RobotOptions& options, const std::string& device, std::uint32_t joints)
-    : base_(messages::base_frame(device)), tip_(messages::hand_frame(device)), joints_(std::min<std::uint32_t>(joints, 8)) {
+DeviceTopics::DeviceTopics(Domain& domain, const RobotOptions& options, const std::string& device,
+                           std::uint32_t joints)
+    : base_(messages::base_frame(device)),
+      tip_(messages::hand_frame(device)),
+      joints_(std::min<std::uint32_t>(joints, 8)) {
     for (std::uint32_t i = 0; i < joints_; ++i)
         joint_names_.push_back(fmt::format("{}_joint{}", messages::ros_name(device), i + 1));
     const std::string prefix = messages::ros_name(device) + "/";
-    add(domain, options, prefix + "measured_cp", "geometry_msgs/msg/PoseStamped", geometry_msgs_msg_dds__PoseStamped__desc,
-        &DeviceTopics::pose);
-    add(domain, options, prefix + "setpoint_cp", "geometry_msgs/msg/PoseStamped", geometry_msgs_msg_dds__PoseStamped__desc,
-        &DeviceTopics::setpoint);
-    add(domain, options, prefix + "measured_cv", "geometry_msgs/msg/TwistStamped", geometry_msgs_msg_dds__TwistStamped__desc,
-        &DeviceTopics::twist);
-    add(domain, options, prefix + "measured_cf", "geometry_msgs/msg/WrenchStamped", geometry_msgs_msg_dds__WrenchStamped__desc,
-        &DeviceTopics::wrench);
+    add(domain, options, prefix + "measured_cp", "geometry_msgs/msg/PoseStamped",
+        geometry_msgs_msg_dds__PoseStamped__desc, &DeviceTopics::pose);
+    add(domain, options, prefix + "setpoint_cp", "geometry_msgs/msg/PoseStamped",
+        geometry_msgs_msg_dds__PoseStamped__desc, &DeviceTopics::setpoint);
+    add(domain, options, prefix + "measured_cv", "geometry_msgs/msg/TwistStamped",
+        geometry_msgs_msg_dds__TwistStamped__desc, &DeviceTopics::twist);
+    add(domain, options, prefix + "measured_cf", "geometry_msgs/msg/WrenchStamped",
+        geometry_msgs_msg_dds__WrenchStamped__desc, &DeviceTopics::wrench);
     if (joints_ > 0)
-        add(domain, options, prefix + "measured_js", "sensor_msgs/msg/JointState", sensor_msgs_msg_dds__JointState__desc,
-            &DeviceTopics::joints);
-    add(domain, options, prefix + "joy", "sensor_msgs/msg/Joy", sensor_msgs_msg_dds__Joy__desc, &DeviceTopics::joy);
-    add(domain, options, prefix + "operating_state", "crtk_msgs/msg/OperatingState", crtk_msgs_msg_dds__OperatingState__desc,
-        &DeviceTopics::state);
-    add(domain, options, "tf", "tf2_msgs/msg/TFMessage", tf2_msgs_msg_dds__TFMessage__desc, &DeviceTopics::transform, false);
+        add(domain, options, prefix + "measured_js", "sensor_msgs/msg/JointState",
+            sensor_msgs_msg_dds__JointState__desc, &DeviceTopics::joints);
+    add(domain, options, prefix + "joy", "sensor_msgs/msg/Joy", sensor_msgs_msg_dds__Joy__desc,
+        &DeviceTopics::joy);
+    add(domain, options, prefix + "operating_state", "crtk_msgs/msg/OperatingState",
+        crtk_msgs_msg_dds__OperatingState__desc, &DeviceTopics::state);
+    add(domain, options, "tf", "tf2_msgs/msg/TFMessage", tf2_msgs_msg_dds__TFMessage__desc,
+        &DeviceTopics::transform, false);
 }
 
-void DeviceTopics::add(Domain& domain, const RobotOptions& options, const std::string& name, const char* message,
-                       const dds_topic_descriptor_t& type, void (DeviceTopics::*write)(const Entity&, const Report&),
-                       bool of_device) {
+void DeviceTopics::add(Domain& domain, const RobotOptions& options, const std::string& name,
+                       const char* message, const dds_topic_descriptor_t& type,
+                       void (DeviceTopics::*write)(const Entity&, const Report&), bool of_device) {
     const std::string kind = name.substr(name.rfind('/') + 1);
     const auto said = options.rates.find(kind);
     const double rate = said == options.rates.end() ? default_rates().at(kind) : said->second;
     if (rate <= 0) return;
     // /tf is one for all namespaces.
-    const std::string topic = of_device || options.remap.contains(name) ? dds_topic(options, name) : "rt/" + name;
+    const std::string topic =
+        of_device || options.remap.contains(name) ? dds_topic(options, name) : "rt/" + name;
     Topic made;
     made.write = write;
     made.rate = rate;
@@ -90,7 +97,8 @@ bool DeviceTopics::wanted(Time now) {
         looked_ = now;
         for (Topic& topic : topics_) {
             dds_publication_matched_status_t status{};
-            topic.read = dds_get_publication_matched_status(topic.writer.get(), &status) == DDS_RETCODE_OK && status.current_count > 0;
+            topic.read = dds_get_publication_matched_status(topic.writer.get(), &status) == DDS_RETCODE_OK &&
+                         status.current_count > 0;
         }
     }
     return std::any_of(topics_.begin(), topics_.end(), [](const Topic& topic) { return topic.read; });
@@ -130,25 +138,29 @@ std_msgs_msg_dds__Header_ DeviceTopics::header() {
 
 void DeviceTopics::pose(const Entity& writer, const Report& report) {
     const geometry_msgs_msg_dds__PoseStamped_ message{
-        .header = header(), .pose = {.position = point(report.position), .orientation = quaternion(report.orientation)}};
+        .header = header(),
+        .pose = {.position = point(report.position), .orientation = quaternion(report.orientation)}};
     dds_write(writer.get(), &message);
 }
 
 void DeviceTopics::setpoint(const Entity& writer, const Report& report) {
     const geometry_msgs_msg_dds__PoseStamped_ message{
-        .header = header(), .pose = {.position = point(report.contact_point), .orientation = quaternion(report.orientation)}};
+        .header = header(),
+        .pose = {.position = point(report.contact_point), .orientation = quaternion(report.orientation)}};
     dds_write(writer.get(), &message);
 }
 
 void DeviceTopics::twist(const Entity& writer, const Report& report) {
     const geometry_msgs_msg_dds__TwistStamped_ message{
-        .header = header(), .twist = {.linear = vector(report.velocity), .angular = vector(report.angular_velocity)}};
+        .header = header(),
+        .twist = {.linear = vector(report.velocity), .angular = vector(report.angular_velocity)}};
     dds_write(writer.get(), &message);
 }
 
 void DeviceTopics::wrench(const Entity& writer, const Report& report) {
     const geometry_msgs_msg_dds__WrenchStamped_ message{
-        .header = header(), .wrench = {.force = vector(report.sent_force), .torque = vector(report.sent_torque)}};
+        .header = header(),
+        .wrench = {.force = vector(report.sent_force), .torque = vector(report.sent_torque)}};
     dds_write(writer.get(), &message);
 }
 

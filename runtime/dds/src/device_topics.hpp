@@ -21,7 +21,8 @@ class DeviceTopics {
     using Time = std::chrono::steady_clock::time_point;
 
     /// `joints`: how many it senses.
-    DeviceTopics(Domain& domain, const RobotOptions& options, const std::string& device, std::uint32_t joints);
+    DeviceTopics(Domain& domain, const RobotOptions& options, const std::string& device,
+                 std::uint32_t joints);
 
     /// Somebody reads one of them. Looked up at most ten times a second.
     bool wanted(Time now);
@@ -42,7 +43,8 @@ class DeviceTopics {
         bool read = false;
     };
     void add(Domain& domain, const RobotOptions& options, const std::string& name, const char* message,
-             const dds_topic_descriptor_t& type, void (DeviceTopics::*write)(const Entity&, const Report&), bool of_device = true);
+             const dds_topic_descriptor_t& type, void (DeviceTopics::*write)(const Entity&, const Report&),
+             bool of_device = true);
     std_msgs_msg_dds__Header_ header();
 
     void pose(const Entity& writer, const Report& report);

@@ -36,7 +36,11 @@ struct Status {
 };
 
 Status status_of(const ServoEntry& servo, const DeviceEntry& device) {
-    Status made{.name = fmt::format("knurl {}: {}", servo.name, device.name), .message = device.state, .hardware = device.profile, .values = {}, .pairs = {}};
+    Status made{.name = fmt::format("knurl {}: {}", servo.name, device.name),
+                .message = device.state,
+                .hardware = device.profile,
+                .values = {},
+                .pairs = {}};
     if (!device.faults.empty()) {
         made.level = error;
         made.message = "fault: " + device.faults;
@@ -61,26 +65,37 @@ Diagnostics::Diagnostics(Domain& domain, const RobotOptions& options) {
     const double rate = said == options.rates.end() ? default_rates().at("diagnostics") : said->second;
     if (rate <= 0) return;
     interval_ = std::chrono::nanoseconds(static_cast<std::int64_t>(1e9 / rate));
-    const std::string topic = options.remap.contains("diagnostics") ? dds_topic(options, "diagnostics") : "rt/diagnostics";
-    writer_ = domain.writer(topic, diagnostic_msgs_msg_dds__DiagnosticArray__desc, {.message = "diagnostic_msgs/msg/DiagnosticArray"});
+    const std::string topic =
+        options.remap.contains("diagnostics") ? dds_topic(options, "diagnostics") : "rt/diagnostics";
+    writer_ = domain.writer(topic, diagnostic_msgs_msg_dds__DiagnosticArray__desc,
+                            {.message = "diagnostic_msgs/msg/DiagnosticArray"});
 }
 
 void Diagnostics::write(const ServoEntry& servo) {
     const auto now = std::chrono::steady_clock::now();
     dds_publication_matched_status_t readers{};
-    if (!writer_ || now < due_ || dds_get_publication_matched_status(writer_.get(), &readers) != DDS_RETCODE_OK || readers.current_count == 0)
+    if (!writer_ || now < due_ ||
+        dds_get_publication_matched_status(writer_.get(), &readers) != DDS_RETCODE_OK ||
+        readers.current_count == 0)
         return;
     due_ = now + interval_;
     std::vector<Status> all;
     for (const DeviceEntry& device : servo.devices) all.push_back(status_of(servo, device));
-    if (servo.state != "running") all.push_back({.level = stale, .name = "knurl " + servo.name, .message = "its servo does not run", .hardware = {}, .values = {}, .pairs = {}});
+    if (servo.state != "running")
+        all.push_back({.level = stale,
+                       .name = "knurl " + servo.name,
+                       .message = "its servo does not run",
+                       .hardware = {},
+                       .values = {},
+                       .pairs = {}});
     std::vector<diagnostic_msgs_msg_dds__DiagnosticStatus_> wires;
     for (Status& each : all) wires.push_back(each.wire());
     timespec time{};
     ::clock_gettime(CLOCK_REALTIME, &time);
     std::string no_frame;
     diagnostic_msgs_msg_dds__DiagnosticArray_ message{};
-    message.header = {.stamp = {.sec = static_cast<std::int32_t>(time.tv_sec), .nanosec = static_cast<std::uint32_t>(time.tv_nsec)},
+    message.header = {.stamp = {.sec = static_cast<std::int32_t>(time.tv_sec),
+                                .nanosec = static_cast<std::uint32_t>(time.tv_nsec)},
                       .frame_id = no_frame.data()};
     message.status._maximum = message.status._length = static_cast<std::uint32_t>(wires.size());
     message.status._buffer = wires.data();

@@ -62,9 +62,11 @@ bool is_address(const std::string& text) {
 
 /// Into an attribute of XML: what is neither a letter, a digit nor . : - _ cannot be an address or a name.
 std::string attribute(const std::string& text) {
-    if (text.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789.:-_") != std::string::npos ||
+    if (text.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789.:-_") !=
+            std::string::npos ||
         text.empty())
-        throw std::runtime_error(fmt::format("'{}' is neither an address nor a name", words::printable(text, 60)));
+        throw std::runtime_error(
+            fmt::format("'{}' is neither an address nor a name", words::printable(text, 60)));
     return text;
 }
 
@@ -77,8 +79,10 @@ void cyclone_says(void* self, const dds_log_data_t* data) {
 Qos qos_of(const EndpointOptions& options, bool reader) {
     Qos qos = make_qos();
     constexpr dds_duration_t longest_block = DDS_MSECS(1);  // a slow reader does not hold up what it reads
-    dds_qset_reliability(qos.get(), options.reliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT, longest_block);
-    dds_qset_durability(qos.get(), options.transient_local ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
+    dds_qset_reliability(qos.get(), options.reliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT,
+                         longest_block);
+    dds_qset_durability(qos.get(),
+                        options.transient_local ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
     dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, options.depth);
     if (options.liveliness.count() > 0)
         dds_qset_liveliness(qos.get(), DDS_LIVELINESS_AUTOMATIC, options.liveliness.count());
@@ -104,8 +108,8 @@ std::uint32_t domain_of_environment() {
     const char* end = said + std::strlen(said);
     const auto [at, error] = std::from_chars(said, end, id);
     if (error != std::errc() || at != end || id > last_domain)
-        throw std::runtime_error(
-            fmt::format("ROS_DOMAIN_ID is '{}'; set it to a number from 0 to {}", words::printable(said, 60), last_domain));
+        throw std::runtime_error(fmt::format("ROS_DOMAIN_ID is '{}'; set it to a number from 0 to {}",
+                                             words::printable(said, 60), last_domain));
     return id;
 }
 
@@ -114,14 +118,16 @@ std::string cyclone_configuration(const DomainOptions& options) {
     const Interface is = look_for(said);
     std::string peers;
     if (is.loopback) peers += R"(<Peer address="127.0.0.1"/>)";
-    for (const std::string& peer : options.peers) peers += fmt::format(R"(<Peer address="{}"/>)", attribute(peer));
+    for (const std::string& peer : options.peers)
+        peers += fmt::format(R"(<Peer address="{}"/>)", attribute(peer));
     return fmt::format(
         R"(<Domain id="{}"><General><Interfaces><NetworkInterface {}="{}"/></Interfaces><AllowMulticast>{}</AllowMulticast></General>)"
         R"(<Discovery><ParticipantIndex>{}</ParticipantIndex><MaxAutoParticipantIndex>{}</MaxAutoParticipantIndex>)"
         R"(<Peers>{}</Peers><LeaseDuration>{} ms</LeaseDuration><SPDPInterval>{} ms</SPDPInterval></Discovery>)"
         R"(<Internal><Test><XmitLossiness>{}</XmitLossiness></Test></Internal></Domain>)",
-        options.id, is_address(said) ? "address" : "name", attribute(said), is.multicast && !is.loopback ? "true" : "false",
-        peers.empty() ? "none" : "auto", most_processes - 1, peers, options.lease.count(), options.announce.count(), options.lose);
+        options.id, is_address(said) ? "address" : "name", attribute(said),
+        is.multicast && !is.loopback ? "true" : "false", peers.empty() ? "none" : "auto", most_processes - 1,
+        peers, options.lease.count(), options.announce.count(), options.lose);
 }
 
 struct Domain::Impl {
@@ -137,7 +143,8 @@ struct Domain::Impl {
         auto found = topics.find(name);
         if (found == topics.end())
             found = topics
-                        .emplace(name, Entity(dds_create_topic(participant.get(), &type, name.c_str(), nullptr, nullptr),
+                        .emplace(name, Entity(dds_create_topic(participant.get(), &type, name.c_str(),
+                                                               nullptr, nullptr),
                                               fmt::format("topic {} of type {}", name, type.m_typename)))
                         .first;
         return found->second.get();
@@ -175,13 +182,14 @@ std::string policy_name(std::uint32_t policy) {
 
 void incompatible_writer(dds_entity_t reader, dds_requested_incompatible_qos_status_t status, void* self) {
     static_cast<const Domain*>(self)->say(
-        fmt::format("a writer of {} offers another {} than is read here: its messages do not come", topic_name(reader),
-                    policy_name(status.last_policy_id)));
+        fmt::format("a writer of {} offers another {} than is read here: its messages do not come",
+                    topic_name(reader), policy_name(status.last_policy_id)));
 }
 void incompatible_reader(dds_entity_t writer, dds_offered_incompatible_qos_status_t status, void* self) {
-    static_cast<const Domain*>(self)->say(fmt::format(
-        "a reader of {} asks for another {} than is written (reliable, volatile, keep last 1): it gets nothing",
-        topic_name(writer), policy_name(status.last_policy_id)));
+    static_cast<const Domain*>(self)->say(
+        fmt::format("a reader of {} asks for another {} than is written (reliable, volatile, keep last 1): "
+                    "it gets nothing",
+                    topic_name(writer), policy_name(status.last_policy_id)));
 }
 
 }  // namespace
@@ -189,25 +197,31 @@ void incompatible_reader(dds_entity_t writer, dds_offered_incompatible_qos_statu
 Domain::Domain(DomainOptions options) : impl_(std::make_unique<Impl>()) {
     impl_->options = std::move(options);
     const DomainOptions& o = impl_->options;
-    if (o.id > last_domain) throw std::runtime_error(fmt::format("domain {}: give 0 to {}", o.id, last_domain));
+    if (o.id > last_domain)
+        throw std::runtime_error(fmt::format("domain {}: give 0 to {}", o.id, last_domain));
     const std::string said = interface_of(o);
     const Interface is = look_for(said);
     if (!is.found)
-        throw std::runtime_error(fmt::format("interface '{}': this host has none with that name or IPv4 address; `ip -br address` lists them",
-                                             words::printable(said, 60)));
+        throw std::runtime_error(fmt::format(
+            "interface '{}': this host has none with that name or IPv4 address; `ip -br address` lists them",
+            words::printable(said, 60)));
     dds_set_log_mask(DDS_LC_FATAL | DDS_LC_ERROR | DDS_LC_WARNING);
     dds_set_log_sink(&cyclone_says, this);
     if (!is.loopback && !is.multicast && o.peers.empty())
-        say(fmt::format("interface {} has no multicast, so nobody is found; name the other hosts as peers", said));
-    impl_->domain = Entity(dds_create_domain(o.id, cyclone_configuration(o).c_str()), fmt::format("domain {}", o.id));
-    std::unique_ptr<dds_listener_t, decltype(&dds_delete_listener)> listener(dds_create_listener(this), &dds_delete_listener);
+        say(fmt::format("interface {} has no multicast, so nobody is found; name the other hosts as peers",
+                        said));
+    impl_->domain =
+        Entity(dds_create_domain(o.id, cyclone_configuration(o).c_str()), fmt::format("domain {}", o.id));
+    std::unique_ptr<dds_listener_t, decltype(&dds_delete_listener)> listener(dds_create_listener(this),
+                                                                             &dds_delete_listener);
     dds_lset_requested_incompatible_qos(listener.get(), &incompatible_writer);
     dds_lset_offered_incompatible_qos(listener.get(), &incompatible_reader);
     const dds_entity_t participant = dds_create_participant(o.id, nullptr, listener.get());
     if (participant < 0)
-        throw std::runtime_error(fmt::format(
-            "domain {} cannot be joined at {} ({}); at most {} processes of a host can be found by their ports", o.id, said,
-            dds_strretcode(participant), most_processes));
+        throw std::runtime_error(
+            fmt::format("domain {} cannot be joined at {} ({}); at most {} processes of a host can be found "
+                        "by their ports",
+                        o.id, said, dds_strretcode(participant), most_processes));
     impl_->participant = Entity(participant, "participant");
 }
 
@@ -238,14 +252,18 @@ void Domain::say(const std::string& line) const {
     impl_->options.log(line);
 }
 
-Entity Domain::writer(const std::string& topic, const dds_topic_descriptor_t& type, const EndpointOptions& options) {
+Entity Domain::writer(const std::string& topic, const dds_topic_descriptor_t& type,
+                      const EndpointOptions& options) {
     const Qos qos = qos_of(options, false);
-    return {dds_create_writer(participant(), impl_->topic(topic, type), qos.get(), nullptr), "writer of " + topic};
+    return {dds_create_writer(participant(), impl_->topic(topic, type), qos.get(), nullptr),
+            "writer of " + topic};
 }
 
-Entity Domain::reader(const std::string& topic, const dds_topic_descriptor_t& type, const EndpointOptions& options) {
+Entity Domain::reader(const std::string& topic, const dds_topic_descriptor_t& type,
+                      const EndpointOptions& options) {
     const Qos qos = qos_of(options, true);
-    return {dds_create_reader(participant(), impl_->topic(topic, type), qos.get(), nullptr), "reader of " + topic};
+    return {dds_create_reader(participant(), impl_->topic(topic, type), qos.get(), nullptr),
+            "reader of " + topic};
 }
 
 namespace {
@@ -284,7 +302,8 @@ void describe(Peer& peer, dds_entity_t reader, dds_instance_handle_t participant
         if (info.valid_data) {
             const auto* said = static_cast<const dds_builtintopic_participant_t*>(sample);
             peer.host = property(said->qos, "__Hostname");
-            const std::string process = property(said->qos, "__ProcessName"), pid = property(said->qos, "__Pid");
+            const std::string process = property(said->qos, "__ProcessName"),
+                              pid = property(said->qos, "__Pid");
             peer.text = process;
             if (!peer.host.empty()) peer.text += "@" + peer.host;
             if (!pid.empty()) peer.text += " pid " + pid;
@@ -307,9 +326,11 @@ Peer peer_of(dds_entity_t reader, dds_instance_handle_t writer, std::string_view
     const std::string ours = message.empty() ? std::string() : type_hash(message);
     if (theirs && !message.empty() && *theirs != ours)
         peer.wrong_type = fmt::format(
-            "{} writes {} as another type than {} is here (its hash {}, ours {}): its messages are ignored; build it "
+            "{} writes {} as another type than {} is here (its hash {}, ours {}): its messages are ignored; "
+            "build it "
             "with the same message definitions",
-            peer.text, words::printable(endpoint->topic_name, 100), message, words::printable(*theirs, 80), ours);
+            peer.text, words::printable(endpoint->topic_name, 100), message, words::printable(*theirs, 80),
+            ours);
     dds_builtintopic_free_endpoint(endpoint);
     return peer;
 }

@@ -28,9 +28,10 @@ void put(std::vector<std::byte>& params, std::size_t at, const void* from, std::
 /// All zero, where that cannot be.
 bool is_unset(const Field& field, const std::vector<std::byte>& params) {
     const bool part = field.name.find('.') != std::string_view::npos;
-    const bool never_zero = field.type == Field::Type::quaternion ||
-                            (part && (field.type == Field::Type::vector ? field.nonzero
-                                                                        : field.type == Field::Type::real && field.minimum > 0));
+    const bool never_zero =
+        field.type == Field::Type::quaternion ||
+        (part && (field.type == Field::Type::vector ? field.nonzero
+                                                    : field.type == Field::Type::real && field.minimum > 0));
     if (!never_zero) return false;
     std::array<double, 4> values{};
     std::memcpy(values.data(), params.data() + field.offset, field.reals() * sizeof(double));
@@ -38,14 +39,16 @@ bool is_unset(const Field& field, const std::vector<std::byte>& params) {
 }
 
 /// A sequence of numbers or of points, whose length a peer has stated.
-std::string read_many(const KindInfo& kind, const Field& field, const std::byte* at, std::vector<std::byte>& params) {
+std::string read_many(const KindInfo& kind, const Field& field, const std::byte* at,
+                      std::vector<std::byte>& params) {
     Sequence many{};
     std::memcpy(&many, at, sizeof many);
     const bool points = field.type == Field::Type::points;
     const std::size_t most = points ? field.count : field.reals(), least = points ? field.least : most;
     if (many.length < least || many.length > most)
-        return fmt::format("{}.{} has {} {}; {}", kind.name, field.name, many.length, points ? "points" : "numbers",
-                           least == most ? fmt::format("give {}", most) : fmt::format("give {} to {}", least, most));
+        return fmt::format(
+            "{}.{} has {} {}; {}", kind.name, field.name, many.length, points ? "points" : "numbers",
+            least == most ? fmt::format("give {}", most) : fmt::format("give {} to {}", least, most));
     const std::size_t doubles = points ? std::size_t{3} * many.length : many.length;
     if (doubles > 0) put(params, field.offset, many.buffer, doubles * sizeof(double));
     if (points) put(params, field.offset + field.reals() * sizeof(double), &many.length, sizeof many.length);
@@ -54,7 +57,8 @@ std::string read_many(const KindInfo& kind, const Field& field, const std::byte*
 
 }  // namespace
 
-static_assert(sizeof(dds_sequence_t) == sizeof(Sequence) && offsetof(dds_sequence_t, _buffer) == offsetof(Sequence, buffer));
+static_assert(sizeof(dds_sequence_t) == sizeof(Sequence) &&
+              offsetof(dds_sequence_t, _buffer) == offsetof(Sequence, buffer));
 static_assert(sizeof(geometry_msgs_msg_dds__Vector3_) == 3 * sizeof(double));
 static_assert(sizeof(Vec3) == 3 * sizeof(double));
 
@@ -88,7 +92,8 @@ std::string read_params(const KindMessage& message, const void* sample, std::vec
                 if (std::string wrong = read_many(kind, field, at, params); !wrong.empty()) return wrong;
                 break;
         }
-        if (is_unset(field, params)) put(params, field.offset, message.defaults.data() + field.offset, field.bytes());
+        if (is_unset(field, params))
+            put(params, field.offset, message.defaults.data() + field.offset, field.bytes());
     }
     return {};
 }

@@ -1,4 +1,7 @@
+#include "registry.h"
+
 #include <algorithm>
+#include <chrono>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -10,7 +13,6 @@
 #include <knurl/words/nearest.hpp>
 #include <knurl/words/printable.hpp>
 
-#include "registry.h"
 #include "wire_text.hpp"
 
 namespace knurl::dds {
@@ -148,11 +150,22 @@ std::vector<ServoEntry> Registry::servos() const {
     const std::scoped_lock lock(mutex_);
     std::vector<void*> samples(most_servos, nullptr);
     std::vector<dds_sample_info_t> infos(most_servos);
-    const dds_return_t count = dds_read(reader_.get(), samples.data(), infos.data(), most_servos, most_servos);
+    const dds_return_t count =
+        dds_read(reader_.get(), samples.data(), infos.data(), most_servos, most_servos);
     std::vector<ServoEntry> all;
+    std::map<std::string, Heard> heard;
+    const auto now = std::chrono::steady_clock::now();
     for (std::size_t i = 0; i < static_cast<std::size_t>(std::max(count, 0)); ++i)
-        if (infos[i].valid_data && infos[i].instance_state == DDS_ALIVE_INSTANCE_STATE)
-            all.push_back(read(*static_cast<const knurl_dds_ServoInfo*>(samples[i])));
+        if (infos[i].valid_data && infos[i].instance_state == DDS_ALIVE_INSTANCE_STATE) {
+            const auto& info = *static_cast<const knurl_dds_ServoInfo*>(samples[i]);
+            ServoEntry servo = read(info);
+            const auto before = heard_.find(servo.id);
+            Heard& last = heard[servo.id] =
+                before == heard_.end() ? Heard{info.revision, now} : before->second;
+            if (last.revision != info.revision) last = {info.revision, now};
+            if (now - last.at <= silence) all.push_back(std::move(servo));
+        }
+    heard_ = std::move(heard);
     if (count > 0) dds_return_loan(reader_.get(), samples.data(), count);
     std::sort(all.begin(), all.end(), [](const ServoEntry& a, const ServoEntry& b) {
         return std::tie(a.name, a.id) < std::tie(b.name, b.id);
@@ -165,10 +178,11 @@ std::vector<std::string> Registry::name_clashes() const {
     const std::vector<ServoEntry> all = servos();
     for (std::size_t i = 0; i + 1 < all.size(); ++i) {
         if (all[i].name != all[i + 1].name || (i > 0 && all[i - 1].name == all[i].name)) continue;
-        lines.push_back(fmt::format(
-            "two servos are called '{}', on {} (pid {}) and {} (pid {}): nobody can connect to knurl://{}/ until one has "
-            "another --name",
-            all[i].name, all[i].host, all[i].pid, all[i + 1].host, all[i + 1].pid, all[i].name));
+        lines.push_back(
+            fmt::format("two servos are called '{}', on {} (pid {}) and {} (pid {}): nobody can connect to "
+                        "knurl://{}/ until one has "
+                        "another --name",
+                        all[i].name, all[i].host, all[i].pid, all[i + 1].host, all[i + 1].pid, all[i].name));
     }
     return lines;
 }
@@ -183,27 +197,30 @@ std::string Registry::resolve(const std::string& name) const {
     }
     const std::string domain = fmt::format("domain {}", domain_.options().id);
     if (found.empty()) {
-        const std::string known =
-            names.empty() ? std::string("no servo is announced there") : fmt::format("there are {}", fmt::join(names, ", "));
+        const std::string known = names.empty() ? std::string("no servo is announced there")
+                                                : fmt::format("there are {}", fmt::join(names, ", "));
         return fmt::format("? {} has no servo '{}'; {}", domain, words::printable(name, longest_text),
                            words::did_you_mean(name, names, known));
     }
     if (found.size() > 1)
-        return fmt::format("? {} servos of {} are called '{}', on {} and {}; give one of them another --name", found.size(),
-                           domain, name, found[0]->host, found[1]->host);
+        return fmt::format("? {} servos of {} are called '{}', on {} and {}; give one of them another --name",
+                           found.size(), domain, name, found[0]->host, found[1]->host);
     const ServoEntry& servo = *found.front();
     if (servo.state != "running")
-        return fmt::format("? servo '{}' on {} does not run, only its knurl-dds does; start knurld there", name, servo.host);
+        return fmt::format("? servo '{}' on {} does not run, only its knurl-dds does; start knurld there",
+                           name, servo.host);
     if (servo.id == own().id) return "knurl:" + servo.servo;
     if (servo.bridge.empty())
         return fmt::format(
-            "? servo '{}' on {} announces no bridge, so no other host can use it; start knurl-bridge there and knurl-dds with "
+            "? servo '{}' on {} announces no bridge, so no other host can use it; start knurl-bridge there "
+            "and knurl-dds with "
             "--bridge HOST:PORT",
             name, servo.host);
     try {
         bridge::check_host_and_port(servo.bridge);
     } catch (const std::runtime_error& error) {
-        return fmt::format("? servo '{}' on {} announces a bridge that is none: {}", name, servo.host, error.what());
+        return fmt::format("? servo '{}' on {} announces a bridge that is none: {}", name, servo.host,
+                           error.what());
     }
     return "knurl://" + servo.bridge;
 }

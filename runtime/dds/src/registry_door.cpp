@@ -17,7 +17,8 @@ namespace knurl::dds {
 
 namespace {
 
-constexpr std::chrono::milliseconds patience{250};  // with a caller that neither asks nor reads; all others wait
+constexpr std::chrono::milliseconds patience{
+    250};  // with a caller that neither asks nor reads; all others wait
 constexpr mode_t for_owner_and_group = 0660;
 constexpr int backlog = 32;
 
@@ -32,7 +33,8 @@ bool tell(int connection, const std::string& text) {
 
 }  // namespace
 
-RegistryDoor::RegistryDoor(const Registry& registry, const std::string& path, std::uint32_t domain, const std::string& name)
+RegistryDoor::RegistryDoor(const Registry& registry, const std::string& path, std::uint32_t domain,
+                           const std::string& name)
     : registry_(registry),
       path_(path),
       hello_(fmt::format("knurl-registry 1 {} {}", domain, name)),

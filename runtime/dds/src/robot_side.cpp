@@ -26,7 +26,7 @@ namespace {
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-constexpr auto retry = 1s;            // between two tries to reach the servo
+constexpr auto retry = 250ms;         // between two tries to reach the servo
 constexpr auto idle_look = 100ms;     // while nobody reads
 constexpr auto command_tick = 10ms;   // while somebody holds something
 constexpr auto command_idle = 200ms;  // while nobody does
@@ -35,8 +35,8 @@ constexpr auto gone_look = 200ms;     // for peers that have gone
 /// One device of the servo.
 struct Device {
     DeviceDescription info;
-    std::optional<Observer> reports;   // of the thread that writes
-    std::optional<Observer> newest;    // of the thread that reads commands
+    std::optional<Observer> reports;  // of the thread that writes
+    std::optional<Observer> newest;   // of the thread that reads commands
     std::optional<DeviceTopics> topics;
     std::unique_ptr<DeviceCommands> commands;
     std::atomic<const char*> state{"DISABLED"};
@@ -44,7 +44,9 @@ struct Device {
 };
 
 std::string word_of(const Report& report, const char* desk) {
-    return report.state == DeviceState::fault ? "FAULT" : report.state == DeviceState::disconnected ? "DISABLED" : desk;
+    return report.state == DeviceState::fault          ? "FAULT"
+           : report.state == DeviceState::disconnected ? "DISABLED"
+                                                       : desk;
 }
 
 }  // namespace
@@ -116,7 +118,7 @@ void RobotSide::Impl::keep() {
             domain.say(error.what());
             close();
         }
-    } while (wait(retry / 4));
+    } while (wait(retry));
     close();
 }
 
@@ -128,19 +130,21 @@ void RobotSide::Impl::open() {
         device->info = info;
         device->reports.emplace(client->observe(info.name));
         device->newest.emplace(client->observe(info.name));
-        const auto row = std::find_if(seen.devices.begin(), seen.devices.end(),
-                                      [&](const view::DeviceView& each) { return info.name == each.info.name; });
+        const auto row =
+            std::find_if(seen.devices.begin(), seen.devices.end(),
+                         [&](const view::DeviceView& each) { return info.name == each.info.name; });
         device->topics.emplace(domain, options, info.name, row == seen.devices.end() ? 0 : row->info.joints);
         device->commands = commands_of(*device);
         if (device->commands) device->state = "ENABLED";
         devices.push_back(std::move(device));
     }
     for (const CommandRule& rule : options.commands)
-        if (std::none_of(devices.begin(), devices.end(), [&](const auto& each) { return each->info.name == rule.device; })) {
+        if (std::none_of(devices.begin(), devices.end(),
+                         [&](const auto& each) { return each->info.name == rule.device; })) {
             std::vector<std::string> names;
             for (const auto& each : devices) names.push_back(each->info.name);
-            domain.say(fmt::format("device '{}', which may be commanded, is none of this servo's; {}", rule.device,
-                                   protocol::instead_of_device(rule.device, names)));
+            domain.say(fmt::format("device '{}', which may be commanded, is none of this servo's; {}",
+                                   rule.device, protocol::instead_of_device(rule.device, names)));
         }
     servos = devices.empty() ? 0 : devices.front()->reports->reattachments();
     closing = false;
@@ -208,14 +212,16 @@ void RobotSide::Impl::write_of(Device& device) {
 
 void RobotSide::Impl::read_commands() {
     const Entity waitset(dds_create_waitset(domain.participant()), "waitset");
-    const bool any = std::any_of(devices.begin(), devices.end(), [](const auto& each) { return each->commands != nullptr; });
+    const bool any = std::any_of(devices.begin(), devices.end(),
+                                 [](const auto& each) { return each->commands != nullptr; });
     if (!any) return;
     for (auto& device : devices)
         if (device->commands) device->commands->attach(waitset.get());
     auto look = Clock::now();
     bool held = false;
     while (!closing) {
-        const auto patience = std::chrono::nanoseconds(held ? std::chrono::nanoseconds(command_tick) : command_idle);
+        const auto patience =
+            std::chrono::nanoseconds(held ? std::chrono::nanoseconds(command_tick) : command_idle);
         dds_waitset_wait(waitset.get(), nullptr, 0, patience.count());
         held = false;
         const bool look_now = Clock::now() >= look;
@@ -262,19 +268,25 @@ void RobotSide::Impl::describe(ServoEntry& servo) {
                               .max_stiffness = device.info.max_stiffness,
                               .renders_torque = device.info.renders_torque != 0,
                               .senses_orientation = device.info.senses_orientation != 0,
-                              .holders = static_cast<std::uint32_t>(std::count_if(device.clients.begin(), device.clients.end(), [](const view::ClientView& client) { return !client.observer; })),
+                              .holders = static_cast<std::uint32_t>(std::count_if(
+                                  device.clients.begin(), device.clients.end(),
+                                  [](const view::ClientView& client) { return !client.observer; })),
                               .cycles = device.counters.at("cycles"),
                               .late_cycles = device.counters.at("late_cycles")};
-            entry.commanded_by_dds = std::any_of(options.commands.begin(), options.commands.end(),
-                                                 [&](const CommandRule& rule) { return rule.device == entry.name; });
+            entry.commanded_by_dds =
+                std::any_of(options.commands.begin(), options.commands.end(),
+                            [&](const CommandRule& rule) { return rule.device == entry.name; });
             if (moved)
-                entry.measured_rate = view::rates_between(before->devices[i], device,
-                                                          std::chrono::duration<double>(looked - then).count(), reports[i])
-                                          .rate;
+                entry.measured_rate =
+                    view::rates_between(before->devices[i], device,
+                                        std::chrono::duration<double>(looked - then).count(), reports[i])
+                        .rate;
             servo.devices.push_back(std::move(entry));
         }
         // A servo that came in the place of another has other memory.
-        const bool stands = moved && std::all_of(servo.devices.begin(), servo.devices.end(), [](const DeviceEntry& device) { return device.measured_rate == 0; });
+        const bool stands =
+            moved && std::all_of(servo.devices.begin(), servo.devices.end(),
+                                 [](const DeviceEntry& device) { return device.measured_rate == 0; });
         before = std::move(now);
         if (stands) watch.reset();
     } catch (const std::exception& error) {
@@ -284,7 +296,8 @@ void RobotSide::Impl::describe(ServoEntry& servo) {
     }
 }
 
-RobotSide::RobotSide(Domain& domain, RobotOptions options) : impl_(std::make_unique<Impl>(domain, std::move(options))) {}
+RobotSide::RobotSide(Domain& domain, RobotOptions options)
+    : impl_(std::make_unique<Impl>(domain, std::move(options))) {}
 RobotSide::~RobotSide() = default;
 
 void RobotSide::describe(ServoEntry& servo) {

@@ -17,8 +17,9 @@ namespace {
 /// Numbers of type_description_interfaces/msg/FieldType.
 const std::map<std::string_view, int>& primitives() {
     static const std::map<std::string_view, int> all{
-        {"int8", 2},   {"uint8", 3},   {"int16", 4},   {"uint16", 5},    {"int32", 6},    {"uint32", 7}, {"int64", 8},
-        {"uint64", 9}, {"float32", 10}, {"float64", 11}, {"bool", 15}, {"byte", 16}, {"string", 17}};
+        {"int8", 2},   {"uint8", 3}, {"int16", 4},  {"uint16", 5},   {"int32", 6},
+        {"uint32", 7}, {"int64", 8}, {"uint64", 9}, {"float32", 10}, {"float64", 11},
+        {"bool", 15},  {"byte", 16}, {"string", 17}};
     return all;
 }
 constexpr int nested = 1, unbounded_sequence = 144;
@@ -38,9 +39,11 @@ std::vector<MessageType> ros_types() {
         {"geometry_msgs/msg/Pose",
          {{"position", "geometry_msgs/msg/Point"}, {"orientation", "geometry_msgs/msg/Quaternion"}}},
         {"geometry_msgs/msg/PoseStamped", {header, {"pose", "geometry_msgs/msg/Pose"}}},
-        {"geometry_msgs/msg/Twist", {{"linear", "geometry_msgs/msg/Vector3"}, {"angular", "geometry_msgs/msg/Vector3"}}},
+        {"geometry_msgs/msg/Twist",
+         {{"linear", "geometry_msgs/msg/Vector3"}, {"angular", "geometry_msgs/msg/Vector3"}}},
         {"geometry_msgs/msg/TwistStamped", {header, {"twist", "geometry_msgs/msg/Twist"}}},
-        {"geometry_msgs/msg/Wrench", {{"force", "geometry_msgs/msg/Vector3"}, {"torque", "geometry_msgs/msg/Vector3"}}},
+        {"geometry_msgs/msg/Wrench",
+         {{"force", "geometry_msgs/msg/Vector3"}, {"torque", "geometry_msgs/msg/Vector3"}}},
         {"geometry_msgs/msg/WrenchStamped", {header, {"wrench", "geometry_msgs/msg/Wrench"}}},
         {"geometry_msgs/msg/Transform",
          {{"translation", "geometry_msgs/msg/Vector3"}, {"rotation", "geometry_msgs/msg/Quaternion"}}},
@@ -48,7 +51,11 @@ std::vector<MessageType> ros_types() {
          {header, {"child_frame_id", "string"}, {"transform", "geometry_msgs/msg/Transform"}}},
         {"tf2_msgs/msg/TFMessage", {{"transforms", "geometry_msgs/msg/TransformStamped[]"}}},
         {"sensor_msgs/msg/JointState",
-         {header, {"name", "string[]"}, {"position", "float64[]"}, {"velocity", "float64[]"}, {"effort", "float64[]"}}},
+         {header,
+          {"name", "string[]"},
+          {"position", "float64[]"},
+          {"velocity", "float64[]"},
+          {"effort", "float64[]"}}},
         {"sensor_msgs/msg/Joy", {header, {"axes", "float32[]"}, {"buttons", "int32[]"}}},
         {"diagnostic_msgs/msg/KeyValue", {{"key", "string"}, {"value", "string"}}},
         {"diagnostic_msgs/msg/DiagnosticStatus",
@@ -57,8 +64,10 @@ std::vector<MessageType> ros_types() {
           {"message", "string"},
           {"hardware_id", "string"},
           {"values", "diagnostic_msgs/msg/KeyValue[]"}}},
-        {"diagnostic_msgs/msg/DiagnosticArray", {header, {"status", "diagnostic_msgs/msg/DiagnosticStatus[]"}}},
-        {"crtk_msgs/msg/OperatingState", {header, {"state", "string"}, {"is_homed", "bool"}, {"is_busy", "bool"}}},
+        {"diagnostic_msgs/msg/DiagnosticArray",
+         {header, {"status", "diagnostic_msgs/msg/DiagnosticStatus[]"}}},
+        {"crtk_msgs/msg/OperatingState",
+         {header, {"state", "string"}, {"is_homed", "bool"}, {"is_busy", "bool"}}},
         {"crtk_msgs/msg/StringStamped", {header, {"string", "string"}}},
         {"knurl_msgs/msg/Remove", {header, {"id", "string"}}},
     };
@@ -86,8 +95,9 @@ std::string member_type(Field::Type type) {
 std::vector<MessageType> all_types() {
     std::vector<MessageType> all = ros_types();
     for (const KindMessage& kind : kind_messages()) {
-        MessageType type{.name = fmt::format("knurl_msgs/msg/{}", kind.type),
-                         .fields = {{"header", "std_msgs/msg/Header"}, {"id", "string"}, {"probe", "uint32"}}};
+        MessageType type{
+            .name = fmt::format("knurl_msgs/msg/{}", kind.type),
+            .fields = {{"header", "std_msgs/msg/Header"}, {"id", "string"}, {"probe", "uint32"}}};
         for (const Field& field : kinds()[kind.kind].fields) {
             std::string name(field.name);
             for (char& c : name)
@@ -174,8 +184,8 @@ std::string dds_type_name(std::string_view message) {
     const std::size_t first = message.find('/'), last = message.rfind('/');
     if (first == std::string_view::npos || first == last)
         throw std::runtime_error(fmt::format("'{}' is no message type; write package/msg/Name", message));
-    return fmt::format("{}::{}::dds_::{}_", message.substr(0, first), message.substr(first + 1, last - first - 1),
-                       message.substr(last + 1));
+    return fmt::format("{}::{}::dds_::{}_", message.substr(0, first),
+                       message.substr(first + 1, last - first - 1), message.substr(last + 1));
 }
 
 std::string user_data(std::string_view message) {

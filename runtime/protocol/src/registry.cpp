@@ -24,7 +24,8 @@ constexpr std::chrono::milliseconds patience{2000};
 /// The next message, within the patience. Throws: there is none.
 std::string next_message(const shm::UniqueFd& connection) {
     pollfd event{.fd = connection.get(), .events = POLLIN, .revents = 0};
-    if (::poll(&event, 1, static_cast<int>(patience.count())) <= 0) throw std::runtime_error("it does not answer");
+    if (::poll(&event, 1, static_cast<int>(patience.count())) <= 0)
+        throw std::runtime_error("it does not answer");
     std::vector<std::byte> bytes(registry_message);
     const shm::Received got = shm::receive_plain_message(connection, bytes);
     if (got.closed || got.nothing || got.truncated || got.carries_descriptors)
@@ -81,9 +82,10 @@ std::optional<RegistryAddress> registry_address(const std::string& said) {
     if (slash == std::string::npos) return std::nullopt;
     RegistryAddress address{.servo = rest.substr(0, slash), .device = rest.substr(slash + 1)};
     if (!is_name(address.servo) || (!address.device.empty() && !is_name(address.device)))
-        throw std::runtime_error("'" + words::printable(said) +
-                                 "': no servo of a registry is called so; write knurl://SERVO/DEVICE as `knurl ls --domain` "
-                                 "shows it, or knurl://HOST:PORT of a bridge");
+        throw std::runtime_error(
+            "'" + words::printable(said) +
+            "': no servo of a registry is called so; write knurl://SERVO/DEVICE as `knurl ls --domain` "
+            "shows it, or knurl://HOST:PORT of a bridge");
     return address;
 }
 
@@ -98,7 +100,8 @@ std::optional<std::uint32_t> domain_said() {
     std::uint32_t domain = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), domain);
     if (error != std::errc() || end != text.data() + text.size())
-        throw std::runtime_error("ROS_DOMAIN_ID is '" + words::printable(text, 60) + "'; set it to the number of a domain");
+        throw std::runtime_error("ROS_DOMAIN_ID is '" + words::printable(text, 60) +
+                                 "'; set it to the number of a domain");
     return domain;
 }
 
@@ -126,7 +129,8 @@ std::optional<std::vector<std::string>> list_servos(std::uint32_t domain) {
         try {
             if (!ask(registry, "list")) continue;
             std::vector<std::string> all;
-            for (std::string each = next_message(registry.connection); each != "."; each = next_message(registry.connection))
+            for (std::string each = next_message(registry.connection); each != ".";
+                 each = next_message(registry.connection))
                 all.push_back(std::move(each));
             return all;
         } catch (const std::runtime_error&) {  // it is ending: another may answer

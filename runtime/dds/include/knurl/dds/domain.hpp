@@ -20,7 +20,7 @@ struct DomainOptions {
     /// Number of the domain, 0 to 232.
     std::uint32_t id = 0;
     /// An address or a name of a network interface of this host; empty: loopback, so that no other host is reached.
-    std::string interface{};
+    std::string interface {};
     /// Addresses of hosts that are asked directly, where multicast does not reach.
     std::vector<std::string> peers{};
     /// How long others keep this process after it was heard last. A link that was down for longer is found anew.
@@ -69,9 +69,11 @@ class Domain {
     void say(const std::string& line) const;
 
     /// A writer of this topic. ROS's topic "/right/measured_cp" is "rt/right/measured_cp".
-    Entity writer(const std::string& topic, const dds_topic_descriptor_t& type, const EndpointOptions& options);
+    Entity writer(const std::string& topic, const dds_topic_descriptor_t& type,
+                  const EndpointOptions& options);
     /// A reader of it.
-    Entity reader(const std::string& topic, const dds_topic_descriptor_t& type, const EndpointOptions& options);
+    Entity reader(const std::string& topic, const dds_topic_descriptor_t& type,
+                  const EndpointOptions& options);
 
   private:
     struct Impl;

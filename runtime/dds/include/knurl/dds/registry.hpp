@@ -72,6 +72,9 @@ class Registry {
     static constexpr std::chrono::milliseconds lease{1000};
     /// How often each says what it is.
     static constexpr std::chrono::milliseconds period{500};
+    /// Who has said nothing new for so long is gone too, whatever the engine says: it may take a participant's whole lease
+    /// where a process dies while it is being discovered.
+    static constexpr std::chrono::milliseconds silence{1500};
     /// Most servos that are listed.
     static constexpr std::size_t most_servos = 4096;
 
@@ -82,7 +85,7 @@ class Registry {
     void announce(const ServoEntry& servo);
     /// This process's servo, as it was announced last; no id: none was.
     ServoEntry own() const;
-    /// Those that are alive, by name, and of one name by id.
+    /// Those that are alive, by name, and of one name by id. Call it every `period`, so that silence is noticed.
     std::vector<ServoEntry> servos() const;
     /// For each name that several servos have: one line. Empty: each has its own.
     std::vector<std::string> name_clashes() const;
@@ -95,13 +98,20 @@ class Registry {
     mutable std::mutex mutex_;
     ServoEntry own_;
     std::uint64_t revision_ = 0;
+    /// When each has said something new.
+    struct Heard {
+        std::uint64_t revision = 0;
+        std::chrono::steady_clock::time_point at{};
+    };
+    mutable std::map<std::string, Heard> heard_;
 };
 
 /// Answers the programs of this host (knurl/protocol/registry.hpp).
 class RegistryDoor {
   public:
     /// Listens at that path. Throws std::runtime_error, one line.
-    RegistryDoor(const Registry& registry, const std::string& path, std::uint32_t domain, const std::string& name);
+    RegistryDoor(const Registry& registry, const std::string& path, std::uint32_t domain,
+                 const std::string& name);
     /// Ends, and takes the socket away.
     ~RegistryDoor();
     RegistryDoor(const RegistryDoor&) = delete;

@@ -25,7 +25,8 @@ struct CommandRule {
     /// CommandOptions::from.
     std::vector<std::string> from{};
     /// CommandOptions::deadline and lifespan.
-    std::chrono::nanoseconds deadline = std::chrono::milliseconds(20), lifespan = std::chrono::milliseconds(50);
+    std::chrono::nanoseconds deadline = std::chrono::milliseconds(20),
+                             lifespan = std::chrono::milliseconds(50);
     /// CommandOptions::enabled.
     bool enabled = true;
     /// Kinds of representations that are read; empty: all but those made of a mesh.
