@@ -200,7 +200,22 @@ std::unique_ptr<Device> open_dhd(std::string_view what, const OpenOptions& optio
     return started("dhd", what, std::move(settings.words), figures, options);
 }
 
+std::unique_ptr<Device> open_hd(std::string_view what, const OpenOptions& options) {
+    usb::Address address = address_of("hd", what);
+    const std::string name = address.wanted().serial;
+    Figures figures;
+    figures.take(address);
+    address.done();
+    std::vector<std::string> words{"--library", library_for("hd")};
+    if (!name.empty()) words.insert(words.end(), {"--name", name});
+    return started("hd", what, std::move(words), figures, options);
+}
+
 }  // namespace
+
+Driver hd_driver() {
+    return {.scheme = "hd", .help = "[NAME]" + std::string(figure_help), .open = open_hd};
+}
 
 Driver dhd_driver() {
     return {.scheme = "dhd",

@@ -143,7 +143,6 @@ Exchange::~Exchange() {
 
 void Exchange::ready(const Description& description) noexcept {
     lane_->description = description;
-    lane_->state.store(static_cast<std::uint32_t>(LaneState::ready), std::memory_order_release);
 }
 
 void Exchange::failed(std::string_view why) noexcept {
@@ -180,6 +179,10 @@ JointEfforts Exchange::efforts(Nanoseconds now) noexcept {
 
 void Exchange::publish(const JointSample& joints, Nanoseconds taken) noexcept {
     lane_->samples.publish({joints, taken});
+    if (!told_) {
+        told_ = true;
+        lane_->state.store(static_cast<std::uint32_t>(LaneState::ready), std::memory_order_release);
+    }
     beat();
 }
 

@@ -152,7 +152,7 @@ class Exchange {
     Exchange(const Exchange&) = delete;
     Exchange& operator=(const Exchange&) = delete;
 
-    /// The device is open.
+    /// The device is open. The servo hears of it with the first sample.
     void ready(const Description& description) noexcept;
     /// It is not, or is no longer: one line, what was wrong and what to do.
     void failed(std::string_view why) noexcept;
@@ -180,6 +180,7 @@ class Exchange {
     Lane* lane_;
     Order order_;
     bool ordered_ = false;     // an order has come
+    bool told_ = false;        // that it is ready
     std::uint32_t heard_ = 0;  // bell
     std::atomic<bool> leave_ = false;
 };
