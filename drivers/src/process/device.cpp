@@ -211,17 +211,34 @@ std::unique_ptr<Device> open_hd(std::string_view what, const OpenOptions& option
     return started("hd", what, std::move(words), figures, options);
 }
 
+std::vector<UsbId> force_dimension_ids() {
+    std::vector<UsbId> ids{{0x1451, 0x0301}};
+    for (std::uint16_t product = 0x0400; product <= 0x040f; ++product) ids.push_back({0x1451, product});
+    return ids;
+}
+
 }  // namespace
 
 Driver hd_driver() {
-    return {.scheme = "hd", .help = "[NAME]" + std::string(figure_help), .open = open_hd};
+    return {.scheme = "hd",
+            .help = "[NAME]" + std::string(figure_help),
+            .open = open_hd,
+            // Of the Touch by USB, which is a serial port to the kernel; as found in others' udev rules.
+            .usb = {{0x2988, 0x0302}, {0x2988, 0x0304}},
+            .note = "the name is the one that the maker's Touch_Setup gave it; its serial port (ls -l /dev/ttyACM*) must "
+                    "be this user's: sudo usermod --append --groups dialout $USER",
+            .named_by_library = true};
 }
 
 Driver dhd_driver() {
     return {.scheme = "dhd",
             .help = "[SERIAL|INDEX][,rate=HZ][,watchdog=S][,base_x=DEG][,base_z=DEG][,tool=KG]" +
                     std::string(figure_help),
-            .open = open_dhd};
+            .open = open_dhd,
+            // As found in others' udev rules: 0301 omega, 0402 and 0403 sigma, 040c lambda; the rest between them.
+            .usb = force_dimension_ids(),
+            .note = "its serial number is the one that the SDK shows",
+            .named_by_library = true};
 }
 
 }  // namespace knurl::drivers::process
