@@ -164,7 +164,7 @@ class DhdDevice final : public Backend {
             if (exchange.awake()) send(exchange);
             receive(exchange);
             // An order ends the wait at once: it is what the hand feels.
-            next = std::max(next + period, drivers::process::monotonic());
+            next = drivers::process::monotonic() + period;
             exchange.wait(next);
         }
         zero();

@@ -3,7 +3,7 @@
 #   libknurl-offline0  the servo's cycle in a process of one's own, likewise
 #   python3-knurl      the same for Python
 #   libknurl-dev   headers, static libraries, find_package and pkg-config, examples
-#   knurl-server   knurld, knurl-bridge, their units, the udev rules, user and group, arms
+#   knurl-server   knurld, knurl-bridge, knurl-device, their units, the udev rules, user and group, arms
 #   knurl-tools    knurl, knurl-web, and the demonstration programs with the scripts that draw what they measured
 # A component of the installation is a package; each thing says where it is installed to which it belongs.
 

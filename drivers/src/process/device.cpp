@@ -6,6 +6,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include <sched.h>
+
 #include <knurl/drivers/cartesian_tool.hpp>
 #include <knurl/drivers/vendor_library.hpp>
 
@@ -73,7 +75,7 @@ class DriverProcessDevice final : public Device {
     bool write(Nanoseconds, const JointEfforts& efforts) noexcept override {
         // Nobody knew where it was when that was written.
         if (!begun_) return there();
-        Order order{.efforts = {}, .acts = acts_, .written = monotonic()};
+        Order order{.efforts = {}, .acts = acts_, .written = monotonic(), .cpu = sched_getcpu()};
         double share = 1;  // common to all, so that the force keeps its direction
         for (std::size_t i = 0; i < link_.effort_limit.size(); ++i) {
             order.efforts[i] = std::isfinite(efforts[i]) && last_.calibrated ? efforts[i] : 0;
@@ -165,6 +167,10 @@ usb::Address address_of(const char* scheme, std::string_view what) {
     if (!address.wanted().port.empty())
         throw std::runtime_error(std::string(scheme) + ":" + std::string(what) +
                                  ": port= is not known to the maker's library; name the device by its serial number");
+    if (address.wanted().wait)
+        throw std::runtime_error(std::string(scheme) + ":" + std::string(what) +
+                                 ": ?wait is for devices whose figures are known before they are there; this one states its "
+                                 "own");
     return address;
 }
 

@@ -32,6 +32,13 @@ void real_time(int level) {
     if (sched_setscheduler(0, SCHED_FIFO, &parameters) != 0) std::puts("no real-time priority: figures of an ordinary thread");
     prctl(PR_SET_TIMERSLACK, 1UL);
 }
+/// Idle CPUs poll, as knurld has it by default, where that is allowed.
+const int keep_polling = [] {
+    const int fd = open("/dev/cpu_dma_latency", O_WRONLY | O_CLOEXEC);
+    const std::int32_t none = 0;
+    if (fd >= 0 && write(fd, &none, sizeof none) != sizeof none) std::puts("idle CPUs sleep");
+    return fd;
+}();
 void ordinary() {
     const sched_param none{};
     sched_setscheduler(0, SCHED_OTHER, &none);
