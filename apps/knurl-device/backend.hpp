@@ -56,6 +56,8 @@ struct Survey {
 
 /// Throws std::runtime_error: what is wrong, what to do.
 std::unique_ptr<Backend> open_dhd(const Arguments& arguments);
+std::unique_ptr<Backend> open_hd(const Arguments& arguments);
 Survey survey_dhd(const std::string& library);
+Survey survey_hd(const std::string& library);
 
 }  // namespace knurl::device

@@ -126,8 +126,8 @@ std::string opening_failed(const Dhd& dhd) {
         case error_busy:
             return "another program has it open (" + dhd.last_error() + "); end that one";
         case error_no_device:
-            return "no Force Dimension device answers; switch it on, plug it in, and if lsusb shows 1451:0301 to "
-                   "1451:0406 let the group haptics use it (70-knurl.rules)";
+            return "no Force Dimension device answers; switch it on, plug it in, and let the "
+                   "group haptics use it (lsusb shows 1451:..., 70-knurl.rules)";
         case error_com:
             return "it does not answer (" + dhd.last_error() +
                    "); is this user allowed to open its USB node (group haptics, 70-knurl.rules)?";
@@ -164,7 +164,7 @@ class DhdDevice final : public Backend {
             if (exchange.awake()) send(exchange);
             receive(exchange);
             // An order ends the wait at once: it is what the hand feels.
-            next = std::max(next + period, drivers::process::monotonic());
+            next = drivers::process::monotonic() + period;
             exchange.wait(next);
         }
         zero();

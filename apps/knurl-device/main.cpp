@@ -92,6 +92,7 @@ class Watch {
 
 std::unique_ptr<Backend> opened(const Arguments& arguments) {
     if (arguments.scheme == "dhd") return open_dhd(arguments);
+    if (arguments.scheme == "hd") return open_hd(arguments);
     throw std::runtime_error("there is no scheme " + arguments.scheme);
 }
 
@@ -122,7 +123,7 @@ int survey(const Arguments& arguments) {
     if (path.empty())
         throw std::runtime_error("there is no " + library->names.front() + " of the " + library->product + "; " +
                                  library->remedy);
-    const Survey seen = survey_dhd(path);
+    const Survey seen = arguments.scheme == "hd" ? survey_hd(path) : survey_dhd(path);
     std::printf("%s\t%s\n", seen.version.c_str(), path.c_str());
     for (const Seen& device : seen.devices)
         std::printf("device\t%s\t%s\t%s\n", device.name.c_str(), device.serial.c_str(), device.problem.c_str());
@@ -136,7 +137,7 @@ int run(int argc, char** argv) {
     bool only_try = false;
     commandline::Command program("knurl-device",
                                  "Drives one device through its maker's library, for the knurld that starts it");
-    program.option("scheme", arguments.scheme, "driver: dhd").required();
+    program.option("scheme", arguments.scheme, "driver: dhd, hd").required();
     program.option("--library", arguments.library, "the maker's library").type_name("FILE");
     program.option("--name", arguments.name, "serial number, index or name of the device; else the first");
     program.option("--serial", arguments.serial, "this device alone");

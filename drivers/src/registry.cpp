@@ -22,6 +22,7 @@ std::vector<Driver>& drivers() {
         spacemouse::driver(),
         wooden::driver(),
         process::dhd_driver(),
+        process::hd_driver(),
     };
     return all;
 }

@@ -3,14 +3,10 @@
 #   libknurl-offline0  the servo's cycle in a process of one's own, likewise
 #   python3-knurl      the same for Python
 #   libknurl-dev   headers, static libraries, find_package and pkg-config, examples
-#   knurl-server   knurld, knurl-bridge, their units, the udev rules, user and group, arms
-<<<<<<< HEAD
+#   knurl-server   knurld, knurl-bridge, knurl-device, their units, the udev rules, user and group, arms
+#   knurl-dds      knurl-dds, where it is built: it alone needs a DDS
 #   knurl-tools    knurl, knurl-web, knurl-vrpn, and the demonstration programs with the scripts that draw what they measured
 #   knurl-lookalikes   libraries with the names of vendors' libraries, for `knurl as`: apart, so that who has the vendors' is not given ours
-=======
-#   knurl-dds      knurl-dds, where it is built: it alone needs a DDS
-#   knurl-tools    knurl, knurl-web, and the demonstration programs with the scripts that draw what they measured
->>>>>>> h-dds
 # A component of the installation is a package; each thing says where it is installed to which it belongs.
 
 set(CPACK_GENERATOR DEB)
@@ -22,22 +18,14 @@ set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_COMPONENTS_GROUPING IGNORE)
-<<<<<<< HEAD
 set(CPACK_COMPONENTS_ALL libknurl-dev libknurl0 libknurl-offline0 python3-knurl knurl-server knurl-tools knurl-lookalikes)
-set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
-set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
-foreach(package LIBKNURL-DEV LIBKNURL0 LIBKNURL-OFFLINE0 PYTHON3-KNURL KNURL-SERVER KNURL-TOOLS KNURL-LOOKALIKES)
-=======
-set(CPACK_COMPONENTS_ALL libknurl-dev libknurl0 libknurl-offline0 python3-knurl knurl-server knurl-tools)
 if(TARGET knurl-dds)
     list(APPEND CPACK_COMPONENTS_ALL knurl-dds)
 endif()
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
-foreach(package LIBKNURL-DEV LIBKNURL0 LIBKNURL-OFFLINE0 PYTHON3-KNURL KNURL-SERVER KNURL-TOOLS KNURL-DDS)
->>>>>>> h-dds
+foreach(package LIBKNURL-DEV LIBKNURL0 LIBKNURL-OFFLINE0 PYTHON3-KNURL KNURL-SERVER KNURL-TOOLS KNURL-LOOKALIKES KNURL-DDS)
     string(TOLOWER ${package} CPACK_DEBIAN_${package}_PACKAGE_NAME)
     set(CPACK_DEBIAN_${package}_PACKAGE_SECTION science)
     # All was one package once.
@@ -130,28 +118,27 @@ which serves them to programs that speak VRPN, and programs
 that put a relief, a mesh, an atom of a running simulation or rigid bodies in
 the hand.")
 
-<<<<<<< HEAD
 # They speak to a server of the same build, and `knurl as` finds them.
 set(CPACK_DEBIAN_KNURL-LOOKALIKES_PACKAGE_DEPENDS "knurl-tools (= ${PROJECT_VERSION})")
 set(CPACK_DEBIAN_KNURL-LOOKALIKES_DESCRIPTION "haptics server for Linux - programs for other libraries
-=======
-# It reads the servo's memory, and a server of another build refuses it.
-set(CPACK_DEBIAN_KNURL-DDS_PACKAGE_DEPENDS "knurl-server (= ${PROJECT_VERSION})")
-set(CPACK_DEBIAN_KNURL-DDS_PACKAGE_SUGGESTS knurl-tools)
-set(CPACK_DEBIAN_KNURL-DDS_DESCRIPTION "haptics server for Linux - DDS and ROS 2
->>>>>>> h-dds
 Knurl owns force-feedback devices and runs their loops at 1 kHz or more;
 applications describe what the hand should feel and read where it is, through
 shared memory.
 
-<<<<<<< HEAD
 This package has libraries with the functions of Force Dimension's libdhd and
 libdrd and of OpenHaptics' libHD, by which programs that were written for those
 run on Knurl's devices: knurl as dhd -- program. It has no code of these makers.")
-=======
+
+# It reads the servo's memory, and a server of another build refuses it.
+set(CPACK_DEBIAN_KNURL-DDS_PACKAGE_DEPENDS "knurl-server (= ${PROJECT_VERSION})")
+set(CPACK_DEBIAN_KNURL-DDS_PACKAGE_SUGGESTS knurl-tools)
+set(CPACK_DEBIAN_KNURL-DDS_DESCRIPTION "haptics server for Linux - DDS and ROS 2
+Knurl owns force-feedback devices and runs their loops at 1 kHz or more;
+applications describe what the hand should feel and read where it is, through
+shared memory.
+
 This package has knurl-dds, which shows devices to robots as topics of ROS 2,
 takes their commands, and lets the servos of many hosts find each other.")
->>>>>>> h-dds
 
 set(CPACK_DEBIAN_KNURL-SERVER_PACKAGE_CONTROL_EXTRA ${CMAKE_CURRENT_LIST_DIR}/deb/knurl-server/postinst
     ${CMAKE_CURRENT_LIST_DIR}/deb/knurl-server/prerm ${CMAKE_CURRENT_LIST_DIR}/deb/knurl-server/postrm)

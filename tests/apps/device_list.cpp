@@ -122,6 +122,28 @@ TEST(Devices, AServiceThatIsNotOursToSeeHidesNoDevice) {
     EXPECT_THAT(servos.err, HasSubstr("cannot be looked into: Permission denied"));
 }
 
+TEST(Devices, AMakersLibraryIsTriedAndSaysWhatItSeesOrWhatIsMissing) {
+    const Folder folder;
+    setenv("KNURL_LIBDHD", KNURL_COUNTERFEIT_DHD, 1);
+    setenv("KNURL_LIBHD", folder.file("libHD.so", "no library").c_str(), 1);
+    const Outcome text = on_the_bus("", "devices");
+    EXPECT_EQ(text.code, 0) << text.err;
+    EXPECT_THAT(text.out, HasSubstr("Force Dimension SDK 3.17.1"));
+    EXPECT_THAT(text.out, HasSubstr("loads; it sees 0 devices"));
+    EXPECT_THAT(text.out, HasSubstr("libHD.so: it is no shared library"));
+    setenv("KNURL_LIBDHD", KNURL_COUNTERFEIT_DHD_LACKING, 1);
+    setenv("KNURL_LIBHD", KNURL_COUNTERFEIT_HD, 1);
+    const json list = json::parse(on_the_bus("", "devices --json").out).at("libraries");
+    unsetenv("KNURL_LIBDHD");
+    unsetenv("KNURL_LIBHD");
+    ASSERT_EQ(list.size(), 2u);
+    EXPECT_THAT(list[0].at("problem").get<std::string>(), HasSubstr("has no function dhdGetPosition"));
+    EXPECT_TRUE(list[0].at("version").is_null());
+    EXPECT_EQ(list[1].at("version"), "3.40");
+    EXPECT_TRUE(list[1].at("devices").is_null()) << "it tells none before one is opened";
+    EXPECT_TRUE(list[1].at("problem").is_null());
+}
+
 TEST(Devices, NothingPluggedInIsAnAnswer) {
     const Outcome text = on_the_bus("", "devices");
     EXPECT_EQ(text.code, 0) << text.err;

@@ -29,11 +29,11 @@ endfunction()
 set(server_pages "")
 set(tools_pages "")
 if(HELP2MAN)
-    set(server_pages share/man/man1/knurld.1.gz share/man/man1/knurl-bridge.1.gz share/man/man1/knurl-bridge-keygen.1.gz)
+    set(server_pages share/man/man1/knurld.1.gz share/man/man1/knurl-device.1.gz share/man/man1/knurl-bridge.1.gz share/man/man1/knurl-bridge-keygen.1.gz)
     set(tools_pages share/man/man1/knurl.1.gz share/man/man1/knurl-ls.1.gz share/man/man1/knurl-device-check.1.gz
                     share/man/man1/knurl-feel.1.gz share/man/man1/knurl-web.1.gz share/man/man1/knurl-vrpn.1.gz)
 endif()
-holds(knurl-server ${server_pages} share/bash-completion/completions/knurld share/zsh/vendor-completions/_knurl-bridge bin/knurld bin/knurl-bridge lib/systemd/system/knurld.service lib/systemd/system/knurl-bridge.service
+holds(knurl-server ${server_pages} share/bash-completion/completions/knurld share/zsh/vendor-completions/_knurl-bridge bin/knurld bin/knurl-device bin/knurl-bridge lib/systemd/system/knurld.service lib/systemd/system/knurl-bridge.service
       lib/udev/rules.d/70-knurl.rules lib/sysusers.d/knurl.conf lib/knurl/knurld-stop-post share/knurl/knurld.toml)
 if(NOT depends MATCHES "libc6")
     message(FATAL_ERROR "knurl-server does not know what it depends on: ${depends}")

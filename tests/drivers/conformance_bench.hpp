@@ -141,8 +141,11 @@ class SharedSimBench final : public Bench {
 /// Behind knurl-device and a counterfeit of its maker's library.
 class VendorBench final : public Bench {
   public:
-    /// `limit` of each motor, N.
-    explicit VendorBench(double limit) : limit_(limit) { hardware().device().position[0] = target() = 0; }
+    /// `limit` of each motor, N; `count` of its encoders, m.
+    VendorBench(double limit, double count) : limit_(limit) {
+        target() = 0;
+        device().count = count;
+    }
     /// The hardware, which exists as long as the tests.
     static counterfeit::Bench& hardware() {
         static counterfeit::Bench bench;
@@ -165,10 +168,9 @@ class VendorBench final : public Bench {
     void plug_in_again(Device&) override { device().plugged = 1; }
     bool freeze(bool frozen) override {
         const auto pid = static_cast<pid_t>(device().opened_by.load());
-        ::kill(pid, frozen ? SIGSTOP : SIGCONT);
-        return true;
+        return pid > 0 && ::kill(pid, frozen ? SIGSTOP : SIGCONT) == 0;
     }
-    void turn(int counts) override { target() = target() + counts * 10e-6; }
+    void turn(int counts) override { target() = target() + counts * device().count; }
     void moment() override {
         // A loop of its own; one that is gone, stopped or not yet awake makes none.
         const std::uint64_t before = device().positions.load() + 2;

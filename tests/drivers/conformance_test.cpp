@@ -53,7 +53,8 @@ std::map<std::string, Enrolled> addresses() {
             {"wooden",
              {{"ONE"},
               [=] { return std::make_unique<UsbMotorBench>(wooden_device, all().wooden, "1-2", 3000); }}},
-            {"dhd", {{",watchdog=0.03"}, [] { return std::make_unique<VendorBench>(12); }}},
+            {"dhd", {{",watchdog=0.03"}, [] { return std::make_unique<VendorBench>(12, 10e-6); }}},
+            {"hd", {{""}, [] { return std::make_unique<VendorBench>(3.3, 0.0254 / 450); }}},
             {"spacemouse", {{""}, [] { return std::make_unique<SpaceMouseBench>(); }}}};
 }
 

@@ -6,6 +6,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include <sched.h>
+
 #include <knurl/drivers/cartesian_tool.hpp>
 #include <knurl/drivers/vendor_library.hpp>
 
@@ -73,7 +75,7 @@ class DriverProcessDevice final : public Device {
     bool write(Nanoseconds, const JointEfforts& efforts) noexcept override {
         // Nobody knew where it was when that was written.
         if (!begun_) return there();
-        Order order{.efforts = {}, .acts = acts_, .written = monotonic()};
+        Order order{.efforts = {}, .acts = acts_, .written = monotonic(), .cpu = sched_getcpu()};
         double share = 1;  // common to all, so that the force keeps its direction
         for (std::size_t i = 0; i < link_.effort_limit.size(); ++i) {
             order.efforts[i] = std::isfinite(efforts[i]) && last_.calibrated ? efforts[i] : 0;
@@ -165,6 +167,10 @@ usb::Address address_of(const char* scheme, std::string_view what) {
     if (!address.wanted().port.empty())
         throw std::runtime_error(std::string(scheme) + ":" + std::string(what) +
                                  ": port= is not known to the maker's library; name the device by its serial number");
+    if (address.wanted().wait)
+        throw std::runtime_error(std::string(scheme) + ":" + std::string(what) +
+                                 ": ?wait is for devices whose figures are known before they are there; this one states its "
+                                 "own");
     return address;
 }
 
@@ -200,13 +206,45 @@ std::unique_ptr<Device> open_dhd(std::string_view what, const OpenOptions& optio
     return started("dhd", what, std::move(settings.words), figures, options);
 }
 
+std::unique_ptr<Device> open_hd(std::string_view what, const OpenOptions& options) {
+    usb::Address address = address_of("hd", what);
+    const std::string name = address.wanted().serial;
+    Figures figures;
+    figures.take(address);
+    address.done();
+    std::vector<std::string> words{"--library", library_for("hd")};
+    if (!name.empty()) words.insert(words.end(), {"--name", name});
+    return started("hd", what, std::move(words), figures, options);
+}
+
+std::vector<UsbId> force_dimension_ids() {
+    std::vector<UsbId> ids{{0x1451, 0x0301}};
+    for (std::uint16_t product = 0x0400; product <= 0x040f; ++product) ids.push_back({0x1451, product});
+    return ids;
+}
+
 }  // namespace
+
+Driver hd_driver() {
+    return {.scheme = "hd",
+            .help = "[NAME]" + std::string(figure_help),
+            .open = open_hd,
+            // Of the Touch by USB, which is a serial port to the kernel; as found in others' udev rules.
+            .usb = {{0x2988, 0x0302}, {0x2988, 0x0304}},
+            .note = "the name is the one that the maker's Touch_Setup gave it; its serial port (ls -l /dev/ttyACM*) must "
+                    "be this user's: sudo usermod --append --groups dialout $USER",
+            .named_by_library = true};
+}
 
 Driver dhd_driver() {
     return {.scheme = "dhd",
             .help = "[SERIAL|INDEX][,rate=HZ][,watchdog=S][,base_x=DEG][,base_z=DEG][,tool=KG]" +
                     std::string(figure_help),
-            .open = open_dhd};
+            .open = open_dhd,
+            // As found in others' udev rules: 0301 omega, 0402 and 0403 sigma, 040c lambda; the rest between them.
+            .usb = force_dimension_ids(),
+            .note = "its serial number is the one that the SDK shows",
+            .named_by_library = true};
 }
 
 }  // namespace knurl::drivers::process

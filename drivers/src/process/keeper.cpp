@@ -231,7 +231,8 @@ void Keeper::live() noexcept {
 
 void Keeper::once() {
     std::uint64_t beat = 0;
-    for (int still = 0, pause_ms = first_pause_ms;;) {
+    int lives = 0;  // looks at which this process lived
+    for (int still = 0, pause_ms = 0;;) {  // the first at once: its device may hold the last force
         std::array<pollfd, 2> waits{pollfd{.fd = child_.number, .events = POLLIN, .revents = 0},
                                     pollfd{.fd = stop_.number, .events = POLLIN, .revents = 0}};
         poll(waits.data(), waits.size(), look_ms);
@@ -241,7 +242,7 @@ void Keeper::once() {
             // Only looks count: while the whole machine stands still, nobody looks.
             const std::uint64_t last = std::exchange(beat, now.beat.load(std::memory_order_relaxed));
             still = beat == last ? still + 1 : 0;
-            if (still == 0 && session() % 2 == 1) pause_ms = first_pause_ms;
+            if (still == 0 && session() % 2 == 1 && ++lives > calm_looks) pause_ms = 0;
             if (still < plan_.hang_ms / look_ms || hung_) continue;
             hung_ = true;
             session_.store(session() + 1, std::memory_order_release);
@@ -256,13 +257,13 @@ void Keeper::once() {
                      why.c_str());
         for (bool ready = false; !ready;) {
             if (pause(pause_ms)) return;
-            pause_ms = std::min(2 * pause_ms, longest_pause_ms);
+            pause_ms = std::clamp(2 * pause_ms, first_pause_ms, longest_pause_ms);
             const std::uint64_t next = session() + 1;
             start(lane(next), static_cast<unsigned>((next / 2) % lanes));
             ready = wait_until_ready(lane(next)).empty();
             if (ready) session_.store(next, std::memory_order_release);
         }
-        still = 0;
+        still = lives = 0;
     }
 }
 

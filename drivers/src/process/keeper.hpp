@@ -33,7 +33,8 @@ struct Plan {
 
 class Keeper {
   public:
-    static constexpr int first_pause_ms = 50, longest_pause_ms = 1000;  // before another start
+    static constexpr int first_pause_ms = 50, longest_pause_ms = 1000;  // before another start that follows soon
+    static constexpr int calm_looks = 20;  // after a life so long it is started again at once
     static constexpr int look_ms = 50;                                   // between two looks at the beat
     static constexpr int farewell_ms = 2000;  // for the last one to zero and close; then it is killed
 

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include <linux/futex.h>
+#include <sched.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
@@ -143,7 +144,6 @@ Exchange::~Exchange() {
 
 void Exchange::ready(const Description& description) noexcept {
     lane_->description = description;
-    lane_->state.store(static_cast<std::uint32_t>(LaneState::ready), std::memory_order_release);
 }
 
 void Exchange::failed(std::string_view why) noexcept {
@@ -167,7 +167,8 @@ bool Exchange::awake() const noexcept {
 JointEfforts Exchange::efforts(Nanoseconds now) noexcept {
     // The bell first: what rings after this is looked at again before any wait.
     heard_ = shared_->bell.load(std::memory_order_seq_cst);
-    if (lane_->orders.take(order_)) {
+    if (Order next; lane_->orders.take(next)) {
+        note(next);
         ordered_ = true;
         const Nanoseconds under_way = std::clamp<Nanoseconds>(now - order_.written, 0, UINT32_MAX);
         const std::uint64_t number = lane_->hops.load(std::memory_order_relaxed);
@@ -178,8 +179,36 @@ JointEfforts Exchange::efforts(Nanoseconds now) noexcept {
     return order_.acts == shared_->acts.load(std::memory_order_acquire) ? order_.efforts : JointEfforts{};
 }
 
+/// When the next one is due, and which CPU is to be kept off: there this process would stand in the way of the servo.
+void Exchange::note(const Order& next) noexcept {
+    const Nanoseconds apart = next.written - order_.written;
+    period_ = ordered_ && apart > 2 * spin && apart < longest_period ? apart : 0;
+    order_ = next;
+    constexpr int most_moves = 16;  // a servo is on one CPU; a test is not
+    if (next.cpu < 0 || next.cpu == cpu_ || ++moved_ > most_moves) return;
+    cpu_ = next.cpu;
+    cpu_set_t set;
+    CPU_ZERO(&set);
+    if (sched_getaffinity(0, sizeof set, &set) != 0) return;
+    CPU_CLR(static_cast<std::size_t>(cpu_), &set);
+    if (CPU_COUNT(&set) > 0) sched_setaffinity(0, sizeof set, &set);
+}
+
+/// True: the bell has rung.
+bool Exchange::spin_until(Nanoseconds end) const noexcept {
+    if (sched_getcpu() == cpu_) return false;
+    do {
+        if (shared_->bell.load(std::memory_order_seq_cst) != heard_) return true;
+    } while (monotonic() < end);
+    return false;
+}
+
 void Exchange::publish(const JointSample& joints, Nanoseconds taken) noexcept {
     lane_->samples.publish({joints, taken});
+    if (!told_) {
+        told_ = true;
+        lane_->state.store(static_cast<std::uint32_t>(LaneState::ready), std::memory_order_release);
+    }
     beat();
 }
 
@@ -193,6 +222,14 @@ void Exchange::beat() noexcept {
 }
 
 void Exchange::wait(Nanoseconds until) noexcept {
+    // Orders come regularly. Around the time of the next one it is waited for without sleep.
+    const Nanoseconds due = order_.written + period_, now = monotonic();
+    const bool soon = period_ > 0 && now < due + spin && until > due - spin;
+    if (soon && now >= due - spin) {
+        spin_until(std::min(until, due + spin));
+        return beat();
+    }
+    if (soon) until = due - spin;
     shared_->waits.store(1, std::memory_order_seq_cst);
     if (shared_->bell.load(std::memory_order_seq_cst) == heard_) {
         const timespec time{.tv_sec = until / 1'000'000'000, .tv_nsec = until % 1'000'000'000};

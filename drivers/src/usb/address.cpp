@@ -12,7 +12,17 @@ namespace knurl::drivers::usb {
 Address::Address(Wanted wanted, std::string_view what) : wanted_(std::move(wanted)), what_(what) {
     for (std::size_t at = 0; at < what.size();) {
         const std::size_t end = std::min(what.find(',', at), what.size());
-        const std::string_view item = what.substr(at, end - at);
+        std::string_view item = what.substr(at, end - at);
+        if (const std::size_t query = item.find('?'); at == 0 && query != std::string_view::npos) {
+            if (item.substr(query) != "?wait")
+                fail("after ? there is only wait: the device is waited for if it is absent");
+            wanted_.wait = true;
+            item = item.substr(0, query);
+            if (item.empty()) {
+                at = end + 1;
+                continue;
+            }
+        }
         const std::size_t equals = item.find('=');
         if (equals == std::string_view::npos && at == 0) {
             wanted_.serial = item;

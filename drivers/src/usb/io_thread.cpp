@@ -56,13 +56,12 @@ IoThread::IoThread(Wanted wanted, std::unique_ptr<Protocol> protocol, int priori
             if (!list->back()->block) throw std::bad_alloc();
         }
     waits_.reserve(16);
-    open();
-    info_ = session_->info();
-    first_ = reading_;
-    // After a replug, only this very device is accepted.
-    if (wanted_.serial.empty()) wanted_.serial = info_.serial;
-    if (wanted_.serial.empty()) wanted_.port = info_.port;
-    seen_session_ = number_;
+    if (!wanted_.wait || !is_absent()) {
+        open();
+        info_ = session_->info();
+        first_ = reading_;
+        seen_session_ = number_;
+    }
 
     pthread_attr_t attributes;
     pthread_attr_init(&attributes);
@@ -142,10 +141,20 @@ IoCounts IoThread::counts() const noexcept {
 
 // ---------------------------------------------------------------------------------------------- the thread
 
+bool IoThread::is_absent() const {
+    return std::ranges::none_of(context_.list(wanted_.ids, wanted_.scheme), [this](const Found& one) {
+        return (wanted_.serial.empty() || one.info.serial == wanted_.serial) &&
+               (wanted_.port.empty() || one.info.port == wanted_.port);
+    });
+}
+
 void IoThread::open() {
     session_.emplace(context_, context_.find(wanted_), protocol_->interface(), stop_);
     reading_ = {};
     protocol_->start(*session_, reading_);
+    // After a replug, only this very device is accepted.
+    if (wanted_.serial.empty()) wanted_.serial = session_->info().serial;
+    if (wanted_.serial.empty()) wanted_.port = session_->info().port;
     zero_line_->hold(session_->node(), session_->out());
     waits_.clear();
     waits_.push_back({.fd = poke_.fd(), .events = POLLIN, .revents = 0});
@@ -191,7 +200,8 @@ void IoThread::run_at(int priority) const noexcept {
 
 void IoThread::live() noexcept {
     run_at(priority_);
-    while (!awake_.load(std::memory_order_acquire) && !stop_.load(std::memory_order_relaxed)) wait(-1);
+    while (!awake_.load(std::memory_order_acquire) && !stop_.load(std::memory_order_relaxed))
+        wait(session_ ? -1 : search_ms);
     while (!stop_.load(std::memory_order_relaxed)) {
         if (session_) {
             converse();

@@ -62,7 +62,8 @@ class IoThread {
     static constexpr std::size_t stack_bytes = 512 << 10;
 
     /// Finds, opens and starts the device; throws std::runtime_error with the remedy. `priority`: SCHED_FIFO
-    /// priority of the thread, 0: ordinary; without the right to it the thread stays ordinary.
+    /// priority of the thread, 0: ordinary; without the right to it the thread stays ordinary. With wanted.wait an
+    /// absent device is no error: the thread looks for it once the cycle has begun, as for one that was unplugged.
     IoThread(Wanted wanted, std::unique_ptr<Protocol> protocol, int priority);
     /// Sends zero and returns the device to the kernel.
     ~IoThread();
@@ -86,7 +87,7 @@ class IoThread {
         return (seen_session_ & 1U) != 0 && session_number_.load(std::memory_order_acquire) == seen_session_;
     }
 
-    /// From the first opening, with the first reading.
+    /// From the opening in the constructor, with the first reading. No session: the device was absent.
     const UsbDevice& info() const { return info_; }
     const Reading& first() const { return first_; }
     IoCounts counts() const noexcept;
@@ -104,6 +105,7 @@ class IoThread {
         std::array<std::uint8_t, packet_bytes> bytes = {};
     };
 
+    bool is_absent() const;
     void open();
     void close() noexcept;
     void live() noexcept;

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include <knurl/drivers/registry.hpp>
 #include <knurl/drivers/usb_list.hpp>
 
 #include "usb/session.hpp"
@@ -8,6 +9,8 @@
 namespace knurl::drivers {
 
 std::string UsbDevice::address() const {
+    for (const Driver& driver : drivers())
+        if (driver.scheme == scheme && driver.named_by_library) return scheme + ":";
     return scheme + ":" + (serial.empty() || twin ? "port=" + port : serial);
 }
 

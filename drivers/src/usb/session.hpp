@@ -27,6 +27,7 @@ struct Wanted {
     std::vector<UsbId> ids;
     std::string serial = {};  // empty: the only device
     std::string port = {};    // "1-1.2"; empty: any
+    bool wait = false;        // absent when it is opened: it is waited for
 };
 
 /// The device is gone, or the waiting thread must stop.

@@ -37,7 +37,8 @@ class WoodenHaptics final : public Device {
         link_.name = "wooden";
         link_.serial = io_.info().serial;
         std::ostringstream text;
-        text << arm.description << " in port " << io_.info().port << "; " << arm.source
+        text << arm.description
+             << (io_.info().port.empty() ? " that is waited for" : " in port " + io_.info().port) << "; " << arm.source
              << "; damping and lag not measured by us";
         link_.description = text.str();
         link_.damping = damping;
@@ -45,11 +46,9 @@ class WoodenHaptics final : public Device {
         link_.continuous_force = link_.continuous_force > 0 ? link_.continuous_force : link_.peak_force / 2;
         for (std::size_t i = 0; i < motors; ++i)
             effort_per_milliampere_[i] = arm.axes[i].effort_per_count.value_or(0);
+        stated_home_ = home;
         reading_ = io_.first();
-        if (home)
-            for (std::size_t i = 0; i < motors; ++i)
-                home_[i] = (*home)[i] - link_.radians_per_count[i] * reading_.counts[i];
-        first_session_ = reading_.session;
+        if (reading_.session != 0) begin();
     }
 
     const LinkConfig& link() const noexcept override { return link_; }
@@ -58,8 +57,9 @@ class WoodenHaptics final : public Device {
 
     ReadStatus read(Nanoseconds, JointSample& sample) noexcept override {
         const ReadStatus status = io_.take(reading_);
+        if (status == ReadStatus::ok && first_session_ == 0) begin();
         for (std::size_t i = 0; i < motors; ++i) {
-            const std::int32_t counts = unwrapped(reading_.counts[i], io_.first().counts[i]);
+            const std::int32_t counts = unwrapped(reading_.counts[i], first_counts_[i]);
             sample.position[i] = home_[i] + link_.radians_per_count[i] * counts;
         }
         sample.has_velocity = false;
@@ -87,10 +87,22 @@ class WoodenHaptics final : public Device {
     void make_safe() noexcept override { io_.make_safe(); }
 
   private:
+    /// The first reading: here the counters begin, and here the axes stand as `home` says.
+    void begin() noexcept {
+        for (std::size_t i = 0; i < motors; ++i) {
+            first_counts_[i] = reading_.counts[i];
+            if (stated_home_)
+                home_[i] = (*stated_home_)[i] - link_.radians_per_count[i] * static_cast<double>(first_counts_[i]);
+        }
+        first_session_ = reading_.session;
+    }
+
     usb::IoThread io_;
     SerialChain mechanism_;
     LinkConfig link_;
     usb::Reading reading_;
+    std::optional<std::array<double, motors>> stated_home_;  // rad
+    std::array<std::int32_t, motors> first_counts_ = {};
     std::array<double, motors> home_ = {};                    // rad
     std::array<double, motors> effort_per_milliampere_ = {};  // N m
     std::uint64_t first_session_ = 0;
@@ -148,7 +160,7 @@ std::unique_ptr<Device> open(std::string_view what, const OpenOptions& options) 
 
 Driver driver() {
     return {.scheme = "wooden",
-            .help = "[SERIAL][,home=A:B:C][,arm=FILE][,damping=NS_PER_M][,lag=S][,port=PORT]",
+            .help = "[SERIAL][?wait][,home=A:B:C][,arm=FILE][,damping=NS_PER_M][,lag=S][,port=PORT]",
             .open = open,
             .usb = {std::begin(ids), std::end(ids)}};
 }

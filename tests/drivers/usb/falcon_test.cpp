@@ -188,6 +188,20 @@ TEST_F(FalconOnABus, IsListedWithoutBeingOpened) {
     EXPECT_EQ(bus_.calls(), calls);
 }
 
+TEST_F(FalconOnABus, IsWaitedForWhereItsAddressSaysSo) {
+    const auto device = open("?wait");
+    EXPECT_NE(device->link().description.find("waited for"), std::string::npos);
+    JointSample sample;
+    EXPECT_EQ(device->read(0, sample), ReadStatus::unplugged);
+    EXPECT_FALSE(device->write(0, {0.1}));
+    const auto falcon = falcon_at_centre();
+    bus_.plug(falcon, {.serial = "FALCON01"});
+    EXPECT_TRUE(reaches(*device, *falcon, {0.1, 0.1, 0.1}, {-1000, -1000, -1000}) ||
+                reaches(*device, *falcon, {0.1, 0.1, 0.1}, {-1000, -1000, -1000}));
+    EXPECT_EQ(device->read(0, sample), ReadStatus::ok);
+    EXPECT_NE(error_of("falcon:?later").find("there is only wait"), std::string::npos);
+}
+
 TEST_F(FalconOnABus, SaysWhatAnAddressMayBe) {
     EXPECT_NE(error_of("falcon:").find("no Novint Falcon is plugged in"), std::string::npos);
     EXPECT_NE(error_of("falcon:,lowpass=3").find("no option lowpass; there are port, force, low_pass"),

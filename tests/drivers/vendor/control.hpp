@@ -48,6 +48,7 @@ enum class Fault : std::uint32_t {
     time_guard,     // nothing is exchanged, the old position again
     com_error,      // the bus
     device_error,   // the device's own state
+    warm,           // the motors
 };
 
 /// One force that was given to the device.
@@ -62,6 +63,7 @@ struct Device {
     std::atomic<std::uint32_t> type = 33, serial = 12345;
     std::atomic<std::uint32_t> wrist = 0, active_wrist = 0, gripper = 0, active_gripper = 0;
     std::array<std::atomic<double>, axes> target = {};  // m, rad, m: where the hand wants to be
+    std::atomic<double> count = 1e-5;                   // m, of its encoders
     std::atomic<std::uint32_t> rigid = 1;               // 1: the tip is where the hand wants; 0: a mass at a spring
     // By the library.
     std::array<std::atomic<double>, axes> position = {};
@@ -147,7 +149,7 @@ inline void exchange_takes(const Control& control) {
     for (;;) pause();
 }
 
-/// The tip: where the hand holds it, or a mass at the hand's spring, moved by the motors. Counts of 10 um.
+/// The tip: where the hand holds it, or a mass at the hand's spring, moved by the motors.
 inline void move(Device& device) {
     constexpr double mass = 0.2, stiffness = 200, damping = 8;
     const std::int64_t t = now_ns(), before = device.moved.exchange(t);
@@ -169,8 +171,9 @@ inline void move(Device& device) {
         }
     }
 }
-inline double counted(double x) {
-    return std::round(x / 1e-5) * 1e-5;
+/// As its encoders have it.
+inline double counted(const Device& device, std::size_t axis) {
+    return std::round(device.position[axis].load() / device.count.load()) * device.count.load();
 }
 
 inline void give(Device& device, const std::array<double, axes>& force) {

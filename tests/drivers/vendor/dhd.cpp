@@ -185,9 +185,9 @@ int dhdGetPosition(double* x, double* y, double* z, char id) {
     if (device == nullptr || refused()) return failed;
     if (!control->has(Fault::time_guard)) move(*device);
     device->positions.fetch_add(1);
-    *x = counted(device->position[0]);
-    *y = counted(device->position[1]);
-    *z = counted(device->position[2]);
+    *x = counted(*device, 0);
+    *y = counted(*device, 1);
+    *z = counted(*device, 2);
     if (control->has(Fault::nan)) *y = std::nan("");
     return control->has(Fault::time_guard) ? guarded : ok;
 }

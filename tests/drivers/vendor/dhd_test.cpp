@@ -1,82 +1,21 @@
-// The driver dhd: against a counterfeit of its maker's library: knurl-device runs as it does for a servo, the test is
-// the servo.
+// The driver dhd: against a counterfeit of its maker's library. knurl-device runs as it does for a servo; the test is the
+// servo.
 
 #include <algorithm>
 #include <cmath>
-#include <csignal>
 #include <fstream>
-#include <functional>
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-#include <sys/resource.h>
+#include <random>
 
 #include <knurl/drivers/cartesian_tool.hpp>
-#include <knurl/drivers/driver_process.hpp>
-#include <knurl/drivers/registry.hpp>
-#include <knurl/drivers/vendor_library.hpp>
 
-#include "../../eventually.hpp"
-#include "vendor_bench.hpp"
+#include "vendor_fixture.hpp"
 
 namespace knurl::drivers {
 namespace {
 
-using counterfeit::Fault;
-using testing::HasSubstr;
-constexpr Nanoseconds millisecond = 1'000'000;
-
-std::string refusal(const std::string& address) {
-    try {
-        open_device(address);
-    } catch (const std::runtime_error& error) {
-        EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << "one line";
-        return error.what();
-    }
-    return "";
-}
-
-class Dhd : public testing::Test {
+class Dhd : public Vendor {
   protected:
-    counterfeit::Bench bench_;
-    std::unique_ptr<Device> device_;
-    JointSample sample_;
-    ReadStatus status_ = ReadStatus::stale;
-    int bad_ = 0, resting_ = 0;
-
-    void open(const std::string& what = "") { device_ = open_device("dhd:" + what); }
-    void cycle(const JointEfforts& efforts = {}) {
-        status_ = device_->read(0, sample_);
-        bad_ += status_ == ReadStatus::bad ? 1 : 0;
-        device_->write(0, efforts);
-    }
-    /// As a servo: after a bad sample zero for a while, as its fault has it. (Here the loop is not real-time, and may be
-    /// late for the device's watchdog.)
-    void careful_cycle(const JointEfforts& efforts) {
-        cycle(resting_ > 0 ? JointEfforts{} : efforts);
-        resting_ = status_ == ReadStatus::bad ? 150 : std::max(0, resting_ - 1);
-    }
-    /// Cycles a millisecond long until it is so.
-    template <class So>
-    bool until(const JointEfforts& efforts, So so) {
-        return test::eventually([&] {
-            cycle(efforts);
-            return so();
-        });
-    }
-    bool comes(const JointEfforts& efforts = {}) {
-        return until(efforts, [&] { return status_ == ReadStatus::ok && sample_.calibrated; });
-    }
-    bool pushes(double newtons = 2) {
-        return comes() && gives({newtons}, [&] { return bench_.device().share_of(0, counterfeit::now_ns()) == newtons; });
-    }
-    template <class So>
-    bool gives(const JointEfforts& efforts, So so) {
-        return test::eventually([&] {
-            careful_cycle(efforts);
-            return so();
-        });
-    }
+    void open(const std::string& what = "") { open_at("dhd:" + what); }
 };
 
 TEST_F(Dhd, DescribesAnOmega3) {

@@ -20,7 +20,7 @@ namespace {
 using namespace std::chrono_literals;
 using usb_chances = drivers::usb_emulator::Chances;
 
-constexpr Plane wall = {.normal = {0, 0, 1}, .offset = 0, .stiffness = 300};
+constexpr Plane wall = {.normal = {0, 0, 1}, .offset = 0, .stiffness = 60};
 constexpr double reach = -0.004;  // m: the hand wants to be so deep in it
 
 class Wall : public testing::TestWithParam<const char*> {
@@ -67,7 +67,7 @@ class Wall : public testing::TestWithParam<const char*> {
         const auto deadline = std::chrono::steady_clock::now() + test::patience;
         while (std::chrono::steady_clock::now() < deadline) {
             const auto seen = report();
-            if (seen && seen->state == DeviceState::active && force_now() > 0.2) return true;
+            if (seen && seen->state == DeviceState::active && force_now() > 0.1) return true;
         }
         return false;
     }
@@ -113,17 +113,17 @@ class Wall : public testing::TestWithParam<const char*> {
     std::optional<Handle<Plane>> surface_;
 };
 
-// The hand's spring of 200 N/m wants 4 mm into a wall of 300 N/m: together they rest where both forces are equal.
+// The hand's spring of 200 N/m wants 4 mm into a wall of 60 N/m (what an unknown device may have): together they rest where both forces are equal.
 TEST_P(Wall, IsFelt) {
-    const double depth = reach * 200 / (200 + 300.0);
+    const double depth = reach * 200 / (200 + wall.stiffness);
     ASSERT_TRUE(test::eventually([&] {
         report();
         return std::abs(hardware().position[2].load() - depth) < 1e-4 && std::abs(hardware().velocity[2].load()) < 1e-3;
     })) << hardware().position[2].load();
-    EXPECT_NEAR(force_now(), -300 * hardware().position[2].load(), 0.02);
-    const auto seen = hand_->next_report(1s);
+    EXPECT_NEAR(force_now(), -wall.stiffness * hardware().position[2].load(), 0.02);
+    const auto seen = hand_->newest(1s);
     ASSERT_TRUE(seen);
-    EXPECT_NEAR(seen->position.z, depth, 1e-4);
+    EXPECT_NEAR(seen->position.z, depth, 2e-4);
 }
 
 TEST_P(Wall, GivesZeroWhenTheServoIsKilled) {
@@ -161,7 +161,7 @@ TEST_P(Wall, FaultsWhenACallHangsOrCrashesAndCanBeArmedAgain) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Vendors, Wall, testing::Values("dhd:"), [](const auto& name) {
+INSTANTIATE_TEST_SUITE_P(Vendors, Wall, testing::Values("dhd:", "hd:"), [](const auto& name) {
     return std::string(name.param).substr(0, std::string(name.param).find(':'));
 });
 

@@ -16,6 +16,7 @@ class Bench {
         setenv("KNURL_COUNTERFEIT", (folder_ / "hardware").c_str(), 1);
         setenv("KNURL_DEVICE_PROGRAM", KNURL_DEVICE_PROGRAM_FILE, 1);
         setenv("KNURL_LIBDHD", KNURL_COUNTERFEIT_DHD, 1);
+        setenv("KNURL_LIBHD", KNURL_COUNTERFEIT_HD, 1);
     }
     Control* operator->() const { return &*mapping_; }
     Device& device(std::size_t i = 0) const { return mapping_->device.at(i); }

@@ -79,6 +79,8 @@ struct Order {
     std::uint64_t acts = 0;
     /// When it was written: CLOCK_MONOTONIC (ns).
     Nanoseconds written = 0;
+    /// On which CPU; -1: not known. The process keeps off it.
+    std::int32_t cpu = -1;
 };
 
 /// What the device is.
@@ -152,7 +154,7 @@ class Exchange {
     Exchange(const Exchange&) = delete;
     Exchange& operator=(const Exchange&) = delete;
 
-    /// The device is open.
+    /// The device is open. The servo hears of it with the first sample.
     void ready(const Description& description) noexcept;
     /// It is not, or is no longer: one line, what was wrong and what to do.
     void failed(std::string_view why) noexcept;
@@ -176,10 +178,20 @@ class Exchange {
     void wait(Nanoseconds until) noexcept;
 
   private:
+    static constexpr Nanoseconds spin = 60'000;  // before and after an order is due: a wake-up takes longer than this
+    static constexpr Nanoseconds longest_period = 5'000'000;
+
+    void note(const Order& next) noexcept;
+    bool spin_until(Nanoseconds end) const noexcept;
+
     Shared* shared_;
     Lane* lane_;
+    Nanoseconds period_ = 0;  // between the last two orders; 0: they do not come regularly
+    int cpu_ = -1;            // the servo's
+    int moved_ = 0;           // off it
     Order order_;
     bool ordered_ = false;     // an order has come
+    bool told_ = false;        // that it is ready
     std::uint32_t heard_ = 0;  // bell
     std::atomic<bool> leave_ = false;
 };

@@ -46,6 +46,8 @@ struct Driver {
     std::vector<UsbId> usb = {};
     /// What a user should know about such a device before it is opened.
     std::string note = {};
+    /// True: its maker's library names the devices, by names that USB does not tell. "SCHEME:" opens the first.
+    bool named_by_library = false;
 };
 
 /// All drivers of this build.
