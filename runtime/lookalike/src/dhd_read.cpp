@@ -8,6 +8,7 @@
 
 #include "dhd.h"
 #include "dhd_state.hpp"
+#include "drd.h"
 
 namespace knurl::lookalike::dhd {
 
@@ -119,6 +120,31 @@ int dhdGetPositionAndOrientationFrame(double* x, double* y, double* z, double* m
         const knurl::HandReport now = report(id);
         give(axes.position(now.position), x, y, z);
         give_matrix(axes.orientation(now.orientation), matrix);
+        return 0;
+    });
+}
+
+int drdGetPositionAndOrientation(double* x, double* y, double* z, double* a, double* b, double* c,
+                                 double* gripper, double* matrix, char id) {
+    if (gripper != nullptr) *gripper = 0;
+    return call([=] {
+        require(x, y, z, a, b, c, matrix);
+        const auto device = opened(id);
+        const knurl::HandReport now = report(*device);
+        give(axes.position(now.position), x, y, z);
+        give(wrist(*device, now), a, b, c);
+        give_matrix(axes.orientation(now.orientation), matrix);
+        return 0;
+    });
+}
+int drdGetVelocity(double* x, double* y, double* z, double* a, double* b, double* c, double* gripper,
+                   char id) {
+    if (gripper != nullptr) *gripper = 0;
+    return call([=] {
+        require(x, y, z, a, b, c);
+        const knurl::HandReport now = report(id);
+        give(axes.position(now.velocity), x, y, z);
+        give(axes.axial(now.angular_velocity), a, b, c);
         return 0;
     });
 }

@@ -18,7 +18,9 @@ namespace {
 /// Never destroyed: a thread of the program may still call while the process ends, and the servo takes the force of a
 /// process that ends.
 struct Table {
-    std::mutex mutex;
+    std::mutex opening;  // one at a time; taken before the other one
+    std::mutex
+        mutex;  // for all below, and for a moment alone: a force loop must not wait while a device is opened
     std::array<std::shared_ptr<Opened>, most_devices> devices;
     int chosen = -1;
 };
@@ -70,11 +72,17 @@ constexpr std::pair<int, const char*> texts[] = {
     {22, "no regulation runs"},
 };
 
-/// With the table's mutex. Throws.
+/// With Table::opening. Throws.
 void open_at(Table& all, int number, const Place& place) {
-    auto& slot = all.devices[static_cast<std::size_t>(number)];
-    if (!slot) slot = std::make_shared<Opened>(place);
+    auto device = std::make_shared<Opened>(place);
+    const std::lock_guard lock(all.mutex);
+    all.devices[static_cast<std::size_t>(number)] = std::move(device);
     all.chosen = number;
+}
+
+bool is_open(Table& all, int number) {
+    const std::lock_guard lock(all.mutex);
+    return all.devices[static_cast<std::size_t>(number)] != nullptr;
 }
 
 /// -1: of the default. With the table's mutex. Throws Refused.
@@ -145,8 +153,11 @@ HandReport report(char id) {
 int open_number(int number) {
     if (number < 0 || number >= most_devices) throw Refused{Code::invalid_index};
     Table& all = table();
-    const std::lock_guard lock(all.mutex);
-    if (all.devices[static_cast<std::size_t>(number)]) return all.chosen = number;
+    const std::lock_guard opening(all.opening);
+    if (is_open(all, number)) {
+        const std::lock_guard lock(all.mutex);
+        return all.chosen = number;
+    }
     const std::vector<Place> known = places();
     if (static_cast<std::size_t>(number) >= known.size()) throw Refused{Code::no_device};
     open_at(all, number, known[static_cast<std::size_t>(number)]);
@@ -155,11 +166,11 @@ int open_number(int number) {
 
 int open_first() {
     Table& all = table();
-    const std::lock_guard lock(all.mutex);
+    const std::lock_guard opening(all.opening);
     const std::vector<Place> known = places();
     Code why = Code::no_device;
     for (int number = 0; number < std::min(most_devices, static_cast<int>(known.size())); ++number) {
-        if (all.devices[static_cast<std::size_t>(number)]) continue;
+        if (is_open(all, number)) continue;
         try {
             open_at(all, number, known[static_cast<std::size_t>(number)]);
             return number;

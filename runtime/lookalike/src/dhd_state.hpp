@@ -92,7 +92,7 @@ void require_expert();
 /// Throws Refused for a null pointer.
 template <class... T>
 void require(T*... pointers) {
-    if (((pointers == nullptr) || ...)) throw Refused{Code::null_argument};
+    if (!(true && ... && (pointers != nullptr))) throw Refused{Code::null_argument};
 }
 
 /// Throws Refused for a null pointer.

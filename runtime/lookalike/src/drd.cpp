@@ -1,4 +1,4 @@
-// The robotic half of the interface: where the hand is, and forces, work as by dhd*. Its regulation, a position loop in
+// The robotic half of the interface: forces, and where the hand is (dhd_read.cpp), work as by dhd*. Its regulation, a position loop in
 // the program's process, is never started.
 
 #include "drd.h"
@@ -55,18 +55,6 @@ int drdAutoInit(char id) {
 }
 int drdCheckInit(char id) {
     return dhdWaitForReset(0, id);
-}
-int drdGetPositionAndOrientation(double* x, double* y, double* z, double* a, double* b, double* c,
-                                 double* gripper, double* matrix, char id) {
-    if (gripper != nullptr) *gripper = 0;
-    const int got = dhdGetPositionAndOrientationFrame(x, y, z, matrix, id);
-    return got < 0 ? got : dhdGetOrientationRad(a, b, c, id);
-}
-int drdGetVelocity(double* x, double* y, double* z, double* a, double* b, double* c, double* gripper,
-                   char id) {
-    if (gripper != nullptr) *gripper = 0;
-    const int got = dhdGetLinearVelocity(x, y, z, id);
-    return got < 0 ? got : dhdGetAngularVelocityRad(a, b, c, id);
 }
 int drdSetForceAndTorqueAndGripperForce(double x, double y, double z, double a, double b, double c,
                                         double gripper, char id) {

@@ -18,7 +18,9 @@ namespace {
 
 /// Never destroyed: the scheduler or a thread of the program may still call while the process ends.
 struct Table {
-    std::mutex mutex;
+    std::mutex opening;  // one at a time; taken before the other one
+    std::mutex
+        mutex;  // for all below, and for a moment alone: the scheduler must not wait while a device is opened
     std::array<std::shared_ptr<Device>, most_devices> devices;
     std::array<Place, most_devices> where;
 };
@@ -116,29 +118,44 @@ HDerror caught() noexcept {
     }
 }
 
+namespace {
+
+/// The handle of that device, if it is open, and one that is free (none: there is none).
+std::pair<HHD, HHD> look_up(Table& all, const Place& place) {
+    const std::lock_guard lock(all.mutex);
+    HHD same = none, free = none;
+    for (HHD i = most_devices; i-- > 0;) {
+        if (!all.devices[i])
+            free = i;
+        else if (all.where[i].servo == place.servo && all.where[i].device == place.device)
+            same = i;
+    }
+    return {same, free};
+}
+
+}  // namespace
+
 HHD open(const char* name) {
     Table& all = table();
-    const std::lock_guard lock(all.mutex);
+    const std::lock_guard opening(all.opening);
     const std::vector<Place> known = places();
     const Place& place = known[find_place(known, name)];
-    const auto same = [&](HHD i) {
-        return all.devices[i] && all.where[i].servo == place.servo && all.where[i].device == place.device;
-    };
-    HHD free = none;
-    for (HHD i = most_devices; i-- > 0;) {
-        if (!all.devices[i]) free = i;
-        if (!same(i)) continue;
-        make_current(i);
+    const auto [same, free] = look_up(all, place);
+    if (same != none) {
+        make_current(same);
         fail(HD_DEVICE_ALREADY_INITIATED);
-        return i;
+        return same;
     }
     if (free == none) throw Refused{HD_DEVICE_FAULT};
     auto device = std::make_shared<Device>(place);
     device->hand.allow_force(false);  // until hdEnable(HD_FORCE_OUTPUT)
     device->now.report = device->last.report = device->hand.newest().value_or(HandReport{});
-    all.devices[free] = std::move(device);
-    all.where[free] = place;
-    chosen_here = chosen_last = spoken_to = free;
+    {
+        const std::lock_guard lock(all.mutex);
+        all.devices[free] = std::move(device);
+        all.where[free] = place;
+    }
+    make_current(free);
     return free;
 }
 
