@@ -58,7 +58,11 @@ std::string new_id() {
 dds::Config config_of(const CommandLine& said) {
     dds::Config config;
     config.domain.id = dds::domain_of_environment();
-    if (!said.config.empty()) dds::read_config(said.config, config);
+    try {
+        if (!said.config.empty()) dds::read_config(said.config, config);
+    } catch (const std::runtime_error& error) {
+        throw UsageError(error.what());
+    }
     if (said.domain) config.domain.id = static_cast<std::uint32_t>(*said.domain);
     if (!said.servo.empty()) config.robot.servo = said.servo;
     if (!said.name.empty()) config.name = said.name;

@@ -185,6 +185,8 @@ const Rows& environment() {
         {"`KNURL_ARMS_DIR`", "knurld, knurl",
          "where arm files are looked for besides those that are built in"},
         {"`XDG_RUNTIME_DIR`", "all", "of a user without `KNURL_RUNTIME_DIR`"},
+        {"`ROS_DOMAIN_ID`", "knurl-dds, applications",
+         "number of the DDS domain; for `knurl://SERVO/DEVICE` not set: any of which a registry runs here"},
         {"`XDG_STATE_HOME`", "knurld", "of a user without `KNURL_STATE_DIR`; else `$HOME/.local/state`"},
         {"`HOME`", "knurld", "see `XDG_STATE_HOME`"},
         {"`NO_COLOR`", "knurl top", "set: no colours"},

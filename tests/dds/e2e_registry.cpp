@@ -206,7 +206,7 @@ TEST_F(RegistryTest, what_cannot_be_is_refused_in_one_line) {
     outcome = says({"--bridge", "a:b"});
     EXPECT_EQ(outcome.code, 2) << outcome.err;
     outcome = says({"--config", home.file("bad.toml", "domian = 1\n")});
-    EXPECT_EQ(outcome.code, 1);
+    EXPECT_EQ(outcome.code, 2);
     EXPECT_NE(outcome.err.find("bad.toml:1:1: unknown key \"domian\""), std::string::npos) << outcome.err;
 }
 

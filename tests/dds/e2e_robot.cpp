@@ -212,6 +212,27 @@ TEST(DdsRobot, a_peer_of_another_type_hash_is_told_and_not_felt) {
     EXPECT_TRUE(watch.observer.newest(10s)->state == DeviceState::idle);
 }
 
+/// Seconds of CPU that a process has taken.
+double cpu_of(pid_t pid) {
+    std::istringstream rest(knurl::test::text_of_file("/proc/" + std::to_string(pid) + "/stat"));
+    std::string word;
+    double ticks = 0;
+    for (int i = 0; i < 15 && rest >> word; ++i)
+        if (i >= 13) ticks += std::stod(word);
+    return ticks / static_cast<double>(::sysconf(_SC_CLK_TCK));
+}
+
+TEST(DdsRobot, nobody_reads_and_it_sleeps) {
+    ServoProcess servo;
+    DdsProgram program({"--command", "cartesian3"});
+    Watch watch;
+    const double before = cpu_of(program.program().pid());
+    for (int i = 0; i < 2000; ++i)
+        ASSERT_TRUE(watch.observer.next_report(10s));  // two seconds of the servo's
+    EXPECT_LT(cpu_of(program.program().pid()) - before, 0.4)
+        << "a thread that does not sleep takes two, or what is left of a CPU";
+}
+
 TEST(DdsRobot, it_finds_its_servo_again) {
     ServoProcess servo;
     DdsProgram program({"--command", "cartesian3"});

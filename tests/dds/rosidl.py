@@ -8,8 +8,6 @@ Debian's .msg files are of ROS 1; where ROS 2 changed a definition they are chan
 lost `seq`, `time` is builtin_interfaces/Time, `Header` is std_msgs/Header. Ends with 77 where the adapter is not installed.
 """
 
-import contextlib
-import io
 import re
 import sys
 import tempfile
@@ -69,8 +67,7 @@ def adapted(package, source, folder):
     inside = folder / package
     (inside / "msg").mkdir(parents=True, exist_ok=True)
     (inside / "msg" / source.name).write_text(ros2_text(source.read_text()))
-    with contextlib.redirect_stdout(io.StringIO()):
-        made = convert_msg_to_idl(inside, package, Path("msg") / source.name, folder / "idl" / package)
+    made = convert_msg_to_idl(inside, package, Path("msg") / source.name, folder / "idl" / package)
     return structs(Path(made).read_text())
 
 

@@ -23,7 +23,7 @@ struct Room {
 
 Room enter(const std::string& address) {
     auto client = knurl::Client::connect(address, {.name = "05_rooms"});
-    auto hand = client.claim();  // the device that the address names
+    auto hand = client.claim();                                      // the device that the address names
     const double height = hand.device().workspace_centre.z + 0.005;  // m
     auto floor = hand.add(knurl::Plane{.normal = {0, 0, 1}, .offset = height, .stiffness = 500 /* N/m */});
     hand.arm();
@@ -42,14 +42,16 @@ int main(int argc, char** argv) try {
     for (int i = 1; i < argc; ++i) rooms.push_back(enter(argv[i]));
     for (const auto end = std::chrono::steady_clock::now() + 3s; std::chrono::steady_clock::now() < end;) {
         for (Room& room : rooms) {
-            if (const auto frame = room.hand.newest(20ms)) room.highest = std::max(room.highest, frame->sent_force.z);
+            if (const auto frame = room.hand.newest(20ms))
+                room.highest = std::max(room.highest, frame->sent_force.z);
             room.hand.commit();  // "I am alive": a silent application's force fades
         }
     }
     for (std::size_t i = 0; i < rooms.size(); ++i) {
         const knurl::Network network = rooms[i].hand.network();
-        std::printf("%s: at most %.2f N; its clock is %+.3f ms from this host's, within %.3f ms\n", argv[i + 1],
-                    rooms[i].highest, milliseconds(network.clock_offset), milliseconds(network.clock_uncertainty));
+        std::printf("%s: at most %.2f N; its clock is %+.3f ms from this host's, within %.3f ms\n",
+                    argv[i + 1], rooms[i].highest, milliseconds(network.clock_offset),
+                    milliseconds(network.clock_uncertainty));
     }
 } catch (const std::exception& error) {
     return std::fprintf(stderr, "05_rooms: %s\n", error.what()), 1;
