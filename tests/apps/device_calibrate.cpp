@@ -21,8 +21,7 @@ using testing::HasSubstr;
 class Calibrated : public testing::TestWithParam<const char*> {};
 
 TEST_P(Calibrated, FindsTheSimulatedDevicesOwnFigures) {
-    const Outcome said =
-        run({knurl_program(), "device", "calibrate", GetParam(), "--virtual", "--json"});
+    const Outcome said = run({knurl_program(), "device", "calibrate", GetParam(), "--virtual", "--json"});
     ASSERT_EQ(said.code, 0) << said.err;
     const json found = json::parse(said.out);
     // drivers/README.md, "The simulated device".
@@ -33,14 +32,15 @@ TEST_P(Calibrated, FindsTheSimulatedDevicesOwnFigures) {
     EXPECT_NEAR(found.at("lag").get<double>(), lag, 0.1 * lag);
 }
 
-INSTANTIATE_TEST_SUITE_P(Simulated, Calibrated, testing::Values("sim:cartesian3,grip=0", "sim:premium15,grip=0"),
+INSTANTIATE_TEST_SUITE_P(Simulated, Calibrated,
+                         testing::Values("sim:cartesian3,grip=0", "sim:premium15,grip=0"),
                          [](const auto& name) { return std::string(name.param).substr(4, 6); });
 
 TEST(Calibrate, WritesAFileFromWhichTheStiffnessOfWallsFollows) {
     const Folder folder;
     const std::string file = folder.path("mine.toml");
-    const Outcome said = run({knurl_program(), "device", "calibrate", "sim:cartesian3,grip=0,damping=0.4", "--virtual",
-                              "--write", file});
+    const Outcome said = run({knurl_program(), "device", "calibrate", "sim:cartesian3,grip=0,damping=0.4",
+                              "--virtual", "--write", file});
     ASSERT_EQ(said.code, 0) << said.err;
     const auto device = drivers::open_device("sim:cartesian3,grip=0,measured=" + file);
     EXPECT_NEAR(device->link().damping, 0.4, 0.04) << "not its own 0.2";
