@@ -1,5 +1,4 @@
-// Force Dimension's library, libdhd. The functions are declared from the SDK's documentation, as the bindings of
-// forcedimension_core (Python) repeat it. drd's regulation is never started: nothing moves the device but the servo.
+// Force Dimension's library, libdhd. drd's regulation is never started: nothing moves the device but the servo.
 
 #include <array>
 #include <cctype>
@@ -12,8 +11,8 @@
 #include <knurl/drivers/cartesian_tool.hpp>
 
 #include "backend.hpp"
+#include "dhd_functions.hpp"
 #include "dhd_models.hpp"
-#include "library.hpp"
 
 namespace knurl::device {
 
@@ -25,88 +24,13 @@ using drivers::Nanoseconds;
 using drivers::process::Exchange;
 
 // From the documentation.
-constexpr int timeguard = 1;                                      // returned: nothing was exchanged
-constexpr int status_count = 17;                                  // dhdGetStatus
+constexpr int timeguard = 1;      // returned: nothing was exchanged
+constexpr int status_count = 17;  // dhdGetStatus
 constexpr int status_reset = 3, status_force = 5, status_error = 9, status_cause = 14;
-constexpr int cause_velocity = 2, cause_watchdog = 3;             // why forces are off
-constexpr double watchdog_unit = 125e-6;                          // s
+constexpr int cause_velocity = 2, cause_watchdog = 3;  // why forces are off
+constexpr double watchdog_unit = 125e-6;               // s
 constexpr int error_com = 2, error_busy = 3, error_no_device = 5, error_timeout = 7, error_not_ready = 12,
               error_in_use = 20;
-
-/// The functions that are used.
-struct Dhd {
-    Library library;
-
-    void (*sdk_version)(int*, int*, int*, int*);
-    int (*error)();
-    const char* (*error_text)();
-    int (*count)();
-    int (*open_id)(char);
-    int (*open_serial)(int);
-    int (*close)(char);
-    int (*stop)(char);
-    int (*serial)(unsigned short*, char);
-    int (*type)(char);
-    const char* (*name)(char);
-    int (*status)(int*, char);
-    int (*enable_force)(unsigned char, char);
-    int (*gravity)(int, char);
-    int (*position)(double*, double*, double*, char);
-    int (*orientation)(double*, char);
-    int (*gap)(double*, char);
-    unsigned (*buttons)(char);
-    int (*set_force)(double, double, double, char);
-    int (*set_all)(double, double, double, double, double, double, double, char);
-    bool (*has_wrist)(char);
-    bool (*has_active_wrist)(char);
-    bool (*has_gripper)(char);
-    bool (*has_active_gripper)(char);
-    int (*expert_on)();
-    int (*expert_off)();
-    int (*set_watchdog)(unsigned char, char);
-    int (*get_watchdog)(unsigned char*, char);
-    int (*base_x)(double, char);
-    int (*base_z)(double, char);
-    int (*tool_mass)(double, char);
-
-    explicit Dhd(const std::string& path) : library(path) {
-        library.need("dhdGetSDKVersion", sdk_version);
-        library.need("dhdErrorGetLast", error);
-        library.need("dhdErrorGetLastStr", error_text);
-        library.need("dhdGetDeviceCount", count);
-        library.need("dhdOpenID", open_id);
-        library.need("dhdOpenSerial", open_serial);
-        library.need("dhdClose", close);
-        library.need("dhdStop", stop);
-        library.need("dhdGetSerialNumber", serial);
-        library.need("dhdGetSystemType", type);
-        library.need("dhdGetSystemName", name);
-        library.need("dhdGetStatus", status);
-        library.need("dhdEnableForce", enable_force);
-        library.need("dhdSetGravityCompensation", gravity);
-        library.need("dhdGetPosition", position);
-        library.need("dhdGetOrientationFrame", orientation);
-        library.need("dhdGetGripperGap", gap);
-        library.need("dhdGetButtonMask", buttons);
-        library.need("dhdSetForce", set_force);
-        library.need("dhdSetForceAndTorqueAndGripperForce", set_all);
-        library.need("dhdHasWrist", has_wrist);
-        library.need("dhdHasActiveWrist", has_active_wrist);
-        library.need("dhdHasGripper", has_gripper);
-        library.need("dhdHasActiveGripper", has_active_gripper);
-        library.need("dhdEnableExpertMode", expert_on);
-        library.need("dhdDisableExpertMode", expert_off);
-        library.want("dhdSetWatchdog", set_watchdog);
-        library.want("dhdGetWatchdog", get_watchdog);
-        library.want("dhdSetBaseAngleXDeg", base_x);
-        library.want("dhdSetBaseAngleZDeg", base_z);
-        library.want("dhdSetEffectorMass", tool_mass);
-    }
-    std::string last_error() const {
-        const char* text = error_text();
-        return text == nullptr || *text == '\0' ? "error " + std::to_string(error()) : text;
-    }
-};
 
 std::string version_of(const Dhd& dhd) {
     int major = 0, minor = 0, release = 0, revision = 0;
@@ -114,8 +38,9 @@ std::string version_of(const Dhd& dhd) {
     const std::string text =
         std::to_string(major) + "." + std::to_string(minor) + "." + std::to_string(release);
     if (major != 3 || minor < 14)
-        throw std::runtime_error(dhd.library.path() + " is of the SDK " + text +
-                                 "; Knurl knows 3.14 to 3.17: install one of these, or name it in KNURL_LIBDHD");
+        throw std::runtime_error(
+            dhd.library.path() + " is of the SDK " + text +
+            "; Knurl knows 3.14 to 3.17: install one of these, or name it in KNURL_LIBDHD");
     return text;
 }
 
@@ -181,7 +106,8 @@ class DhdDevice final : public Backend {
         int opened = -1;
         if (count <= 0) {
             throw std::runtime_error(
-                "the library sees no Force Dimension device; switch it on, plug it in, and let the group haptics use it "
+                "the library sees no Force Dimension device; switch it on, plug it in, and let the group "
+                "haptics use it "
                 "(lsusb, 70-knurl.rules)");
         }
         // A small number is an index; serial numbers are larger.
@@ -196,7 +122,8 @@ class DhdDevice final : public Backend {
             opened = dhd_.open_serial(std::stoi(wanted));
         }
         if (opened < 0)
-            throw std::runtime_error((wanted.empty() ? "" : "device " + wanted + ": ") + opening_failed(dhd_));
+            throw std::runtime_error((wanted.empty() ? "" : "device " + wanted + ": ") +
+                                     opening_failed(dhd_));
         id_ = static_cast<char>(opened);
     }
 
@@ -214,7 +141,8 @@ class DhdDevice final : public Backend {
     void option(int (*set)(double, char), const char* name, const char* function) {
         if (!arguments_.settings.contains(name)) return;
         if (set == nullptr)
-            throw std::runtime_error(dhd_.library.path() + " has no " + function + ": leave " + name + "= out");
+            throw std::runtime_error(dhd_.library.path() + " has no " + function + ": leave " + name +
+                                     "= out");
         must(set(arguments_.setting(name, 0), id_), name);
     }
     /// The device's own: the shortest that this loop can keep on a machine that is late at times.
@@ -243,7 +171,8 @@ class DhdDevice final : public Backend {
                 torque = drivers::CartesianTool::left_jacobian(turn_).transpose().inverse() * wanted;
         }
         const double grip = grip_force_ ? efforts[static_cast<std::size_t>(gripper_joint())] : 0;
-        return dhd_.set_all(efforts[0], efforts[1], efforts[2], torque.x(), torque.y(), torque.z(), grip, id_);
+        return dhd_.set_all(efforts[0], efforts[1], efforts[2], torque.x(), torque.y(), torque.z(), grip,
+                            id_);
     }
 
     void send(Exchange& exchange) {
@@ -275,14 +204,16 @@ class DhdDevice final : public Backend {
                 exchange.garbage();
                 return;
             }
-            turn_ = drivers::CartesianTool::rotation_near(Eigen::Quaterniond(Eigen::Matrix3d(matrix)).normalized(),
-                                                          turn_);
+            turn_ = drivers::CartesianTool::rotation_near(
+                Eigen::Quaterniond(Eigen::Matrix3d(matrix)).normalized(), turn_);
             for (int i = 0; i < 3; ++i) q[static_cast<std::size_t>(wrist_joint() + i)] = turn_[i];
         }
-        if (gripper_ && !check(dhd_.gap(&q[static_cast<std::size_t>(gripper_joint())], id_), exchange)) return;
+        if (gripper_ && !check(dhd_.gap(&q[static_cast<std::size_t>(gripper_joint())], id_), exchange))
+            return;
         sample.buttons = dhd_.buttons(id_);
         sample.calibrated = calibrated_;
-        if (forces_off_) exchange.garbage();  // the servo believes that it renders, and must learn that it does not
+        if (forces_off_)
+            exchange.garbage();  // the servo believes that it renders, and must learn that it does not
         if (code != timeguard) exchange.publish(sample, drivers::process::monotonic());
     }
 
@@ -336,8 +267,8 @@ class DhdDevice final : public Backend {
     bool wrist_ = false, torque_ = false, gripper_ = false, grip_force_ = false;
     bool calibrated_ = false;
     bool forces_on_ = false, forces_off_ = false;  // switched on by us; off by the device all the same
-    double watchdog_ = 0;  // s
-    int errors_ = 0, force_errors_ = 0;  // in a row
+    double watchdog_ = 0;                          // s
+    int errors_ = 0, force_errors_ = 0;            // in a row
     Nanoseconds pushed_ = 0;
     Eigen::Vector3d turn_ = Eigen::Vector3d::Zero();
 };
@@ -346,7 +277,8 @@ drivers::process::Description DhdDevice::description() const {
     unsigned short serial = 0;
     const bool has_serial = dhd_.serial(&serial, id_) >= 0 && serial != 0;
     const int type = dhd_.type(id_);
-    static constexpr DhdModel unknown{0, "", 4, 0, 0, 0.03, 0, "not known to Knurl: 4 N and a ball of 30 mm assumed"};
+    static constexpr DhdModel unknown{0, "",   4, 0,
+                                      0, 0.03, 0, "not known to Knurl: 4 N and a ball of 30 mm assumed"};
     const DhdModel* found = dhd_model(type);
     const DhdModel& model = found == nullptr ? unknown : *found;
 
@@ -356,8 +288,9 @@ drivers::process::Description DhdDevice::description() const {
         if (std::isalnum(static_cast<unsigned char>(*c)) != 0) link.name += *c;
     link.serial = has_serial ? std::to_string(serial) : "";
     const char* name = dhd_.name(id_);
-    link.description = std::string(found == nullptr && name != nullptr ? name : model.name) + " by the SDK " + version_ +
-                       "; " + model.source + "; damping, lag and mass not known: a low and a high estimate";
+    link.description = std::string(found == nullptr && name != nullptr ? name : model.name) + " by the SDK " +
+                       version_ + "; " + model.source +
+                       "; damping, lag and mass not known: a low and a high estimate";
     const int joints = 3 + (wrist_ ? 3 : 0) + (gripper_ ? 1 : 0);
     link.sensed_joints = joints;
     link.actuated_joints = torque_ ? joints - (gripper_ && !grip_force_ ? 1 : 0) : grip_force_ ? 4 : 3;
@@ -378,7 +311,8 @@ drivers::process::Description DhdDevice::description() const {
     link.has_watchdog = watchdog_ > 0;
     link.watchdog_time = watchdog_;
     link.has_brake = true;
-    return drivers::process::description_of(link, {.wrist = wrist_ ? 1 : 0, .gripper = gripper_joint()}, true);
+    return drivers::process::description_of(link, {.wrist = wrist_ ? 1 : 0, .gripper = gripper_joint()},
+                                            true);
 }
 
 }  // namespace
@@ -391,7 +325,8 @@ Survey survey_dhd(const std::string& library) {
     const Dhd dhd(library);
     Survey survey{.version = version_of(dhd), .devices = {}};
     const int count = dhd.count();
-    for (int i = 0; i < count; ++i) survey.devices.push_back({.name = "device " + std::to_string(i), .serial = "", .problem = ""});
+    for (int i = 0; i < count; ++i)
+        survey.devices.push_back({.name = "device " + std::to_string(i), .serial = "", .problem = ""});
     return survey;
 }
 

@@ -7,7 +7,8 @@ namespace knurl::device {
 
 namespace {
 
-constexpr const char* chai = "force, torque and ball from CHAI3D's driver; resolution the data sheet's, unverified";
+constexpr const char* chai =
+    "force, torque and ball from CHAI3D's driver; resolution the data sheet's, unverified";
 constexpr const char* sheet = "all from the data sheet, unverified";
 
 // Type numbers as in the SDK's documentation (forcedimension_core, constants).

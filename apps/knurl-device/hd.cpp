@@ -29,14 +29,15 @@ using drivers::process::monotonic;
 namespace hd {
 
 // Numbers of the documentation.
-constexpr unsigned success = 0, warm_motors = 0x0200, over_force = 0x0201, over_impulse = 0x0202, over_velocity = 0x0203,
-                   force_error = 0x0204, device_fault = 0x0300, comm_error = 0x0302, comm_config = 0x0303,
-                   timer_error = 0x0304, bad_handle = 0x0104, already = 0x0301;
+constexpr unsigned success = 0, warm_motors = 0x0200, over_force = 0x0201, over_impulse = 0x0202,
+                   over_velocity = 0x0203, force_error = 0x0204, device_fault = 0x0300, comm_error = 0x0302,
+                   comm_config = 0x0303, timer_error = 0x0304, bad_handle = 0x0104, already = 0x0301;
 constexpr unsigned invalid_handle = 0xffffffff;
-constexpr unsigned buttons = 0x2000, inkwell = 0x2002, position = 0x2050, transform = 0x2052, version = 0x2500,
-                   model = 0x2501, serial = 0x2504, usable_workspace = 0x2551, input_dof = 0x2553, output_dof = 0x2554,
-                   calibration_style = 0x2555, update_rate = 0x2600, max_force = 0x2603, max_continuous = 0x2604,
-                   temperature = 0x2605, max_torque = 0x2622, force = 0x2700, torque = 0x2701, force_output = 0x4000;
+constexpr unsigned buttons = 0x2000, inkwell = 0x2002, position = 0x2050, transform = 0x2052,
+                   version = 0x2500, model = 0x2501, serial = 0x2504, usable_workspace = 0x2551,
+                   input_dof = 0x2553, output_dof = 0x2554, calibration_style = 0x2555, update_rate = 0x2600,
+                   max_force = 0x2603, max_continuous = 0x2604, temperature = 0x2605, max_torque = 0x2622,
+                   force = 0x2700, torque = 0x2701, force_output = 0x4000;
 constexpr unsigned calibrated = 0x5000, needs_update = 0x5001;
 constexpr int style_encoder_reset = 1;
 constexpr unsigned callback_done = 0, callback_again = 1;
@@ -138,10 +139,11 @@ class HdDevice final : public Backend {
         handle_ = hd_.init(name.empty() ? nullptr : name.c_str());
         const hd::Error error = hd_.error();
         if (handle_ == hd::invalid_handle || error.code != hd::success)
-            throw std::runtime_error((name.empty() ? "the default device" : "device \"" + name + "\"") + ": " +
-                                     meaning(error.code) +
-                                     "; give it this name with the maker's Touch_Setup, run Touch_Diagnostic, and let "
-                                     "this user open it (ls -l /dev/ttyACM* /dev/hidraw*, the maker's udev rule)");
+            throw std::runtime_error(
+                (name.empty() ? "the default device" : "device \"" + name + "\"") + ": " +
+                meaning(error.code) +
+                "; give it this name with the maker's Touch_Setup, run Touch_Diagnostic, and let "
+                "this user open it (ls -l /dev/ttyACM* /dev/hidraw*, the maker's udev rule)");
         hd_.make_current(handle_);
         figure();
     }
@@ -170,7 +172,8 @@ class HdDevice final : public Backend {
         if (error.code != hd::success) throw Gone("its scheduler does not start: " + meaning(error.code));
         for (int count = 0; !exchange.leaving(); ++count) {
             sleep_ms(5);
-            if (const unsigned code = gone_.load(); code != 0) throw Gone("the device is gone: " + meaning(code));
+            if (const unsigned code = gone_.load(); code != 0)
+                throw Gone("the device is gone: " + meaning(code));
             if (count % 20 == 0) look_at_calibration();
             say_warmth();
         }
@@ -205,7 +208,9 @@ class HdDevice final : public Backend {
         warned_ = monotonic();
         double warmest = 0;
         for (const auto& motor : temperature_) warmest = std::max(warmest, motor.load());
-        std::fprintf(stderr, "knurl-device: hd: the motors are warm (%.2f of what they stand); let them rest\n", warmest);
+        std::fprintf(stderr,
+                     "knurl-device: hd: the motors are warm (%.2f of what they stand); let them rest\n",
+                     warmest);
     }
 
     /// Called by the scheduler: one exchange with the device.
@@ -273,9 +278,10 @@ class HdDevice final : public Backend {
         if (!torque_) return;
         const Eigen::Vector3d wanted(efforts[3], efforts[4], efforts[5]);
         const Eigen::Vector3d torque =
-            wanted.isZero(0) ? wanted
-                             : Eigen::Vector3d(
-                                   drivers::CartesianTool::left_jacobian(turn_).transpose().inverse() * wanted);
+            wanted.isZero(0)
+                ? wanted
+                : Eigen::Vector3d(drivers::CartesianTool::left_jacobian(turn_).transpose().inverse() *
+                                  wanted);
         const std::array<double, 3> theirs = to_hd(torque * 1e3);  // mN m
         hd_.set_doubles(hd::torque, theirs.data());
     }
@@ -292,7 +298,8 @@ class HdDevice final : public Backend {
                 warm_.store(true);
                 continue;
             }
-            const bool gone = error.code == hd::bad_handle || (error.code >= hd::device_fault && error.code <= hd::timer_error);
+            const bool gone = error.code == hd::bad_handle ||
+                              (error.code >= hd::device_fault && error.code <= hd::timer_error);
             if (gone || ++errors_ > most_errors) {
                 gone_.store(error.code);
                 return false;
@@ -340,10 +347,11 @@ drivers::process::Description HdDevice::description() const {
     if (link.name.empty()) link.name = "hd";
     link.serial = text(hd::serial);
     const double peak = number(hd::max_force), continuous = number(hd::max_continuous);
-    link.description = model + " by OpenHaptics " + text(hd::version) +
-                       "; forces, workspace and rate as its library states them" +
-                       (peak > 0 ? "" : " (no peak force: 3.3 N, the Touch's, assumed)") +
-                       "; resolution 450 dpi assumed; damping, lag and mass not known: a low and a high estimate";
+    link.description =
+        model + " by OpenHaptics " + text(hd::version) +
+        "; forces, workspace and rate as its library states them" +
+        (peak > 0 ? "" : " (no peak force: 3.3 N, the Touch's, assumed)") +
+        "; resolution 450 dpi assumed; damping, lag and mass not known: a low and a high estimate";
     const int joints = wrist_ ? 6 : 3;
     link.sensed_joints = joints;
     link.actuated_joints = torque_ ? 6 : 3;
@@ -354,18 +362,20 @@ drivers::process::Description HdDevice::description() const {
     link.peak_force = peak > 0 ? peak : 3.3;
     link.continuous_force = continuous > 0 ? std::min(continuous, link.peak_force) : link.peak_force / 4;
     link.peak_torque = torque_ ? std::max(number(hd::max_torque) * 1e-3, 0.05) : 0;
-    for (int i = 0; i < link.actuated_joints; ++i) link.effort_limit.push_back(i < 3 ? link.peak_force : link.peak_torque);
+    for (int i = 0; i < link.actuated_joints; ++i)
+        link.effort_limit.push_back(i < 3 ? link.peak_force : link.peak_torque);
     std::array<double, 6> box{};  // mm: least, greatest
     hd_.doubles(hd::usable_workspace, box.data());
     const Eigen::Vector3d least = from_hd(box.data()) * 1e-3, greatest = from_hd(box.data() + 3) * 1e-3;
     const double radius = (greatest - least).minCoeff() / 2;
     link.workspace_radius = std::isfinite(radius) && radius > 0.005 ? radius : 0.035;
     if (radius > 0.005)
-        for (int i = 0; i < 3; ++i) link.workspace_centre[static_cast<std::size_t>(i)] = (least[i] + greatest[i]) / 2;
+        for (int i = 0; i < 3; ++i)
+            link.workspace_centre[static_cast<std::size_t>(i)] = (least[i] + greatest[i]) / 2;
     int rate = 0;
     hd_.integers(hd::update_rate, &rate);
     link.nominal_rate = rate >= 100 && rate <= 4000 ? rate : 1000;
-    link.damping = 0.2;  // N s/m, low
+    link.damping = 0.2;                        // N s/m, low
     link.lag = 2 / link.nominal_rate + 20e-6;  // a cycle of its scheduler each way, and the hop
     return drivers::process::description_of(link, {.wrist = wrist_ ? 1 : 0, .gripper = -1}, true);
 }

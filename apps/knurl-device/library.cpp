@@ -18,7 +18,8 @@ std::string remedy(const std::string& error) {
     std::string package = "apt-file search " + file + " names the package that has it";
     if (file.starts_with("libQt5Core")) package = "sudo apt install libqt5core5a";
     if (file.starts_with("libusb-1.0")) package = "sudo apt install libusb-1.0-0";
-    if (file.starts_with("libncurses") || file.starts_with("libtinfo")) package = "sudo apt install libtinfo5 libncurses5";
+    if (file.starts_with("libncurses") || file.starts_with("libtinfo"))
+        package = "sudo apt install libtinfo5 libncurses5";
     return "; it wants " + file + ": " + package;
 }
 

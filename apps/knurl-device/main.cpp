@@ -113,20 +113,23 @@ int serve(const Arguments& arguments) {
 
 int survey(const Arguments& arguments) {
     const drivers::VendorLibrary* library = drivers::vendor_library(arguments.scheme);
-    if (library == nullptr) throw commandline::UsageError("--try: " + arguments.scheme + " needs no maker's library");
+    if (library == nullptr)
+        throw commandline::UsageError("--try: " + arguments.scheme + " needs no maker's library");
     std::string path = arguments.library;
     for (const drivers::FoundLibrary& found : drivers::find_library(*library)) {
         if (!path.empty()) break;
-        if (!found.problem.empty()) throw std::runtime_error("cannot use " + found.path + ": " + found.problem);
+        if (!found.problem.empty())
+            throw std::runtime_error("cannot use " + found.path + ": " + found.problem);
         path = found.path;
     }
     if (path.empty())
-        throw std::runtime_error("there is no " + library->names.front() + " of the " + library->product + "; " +
-                                 library->remedy);
+        throw std::runtime_error("there is no " + library->names.front() + " of the " + library->product +
+                                 "; " + library->remedy);
     const Survey seen = arguments.scheme == "hd" ? survey_hd(path) : survey_dhd(path);
     std::printf("%s\t%s\n", seen.version.c_str(), path.c_str());
     for (const Seen& device : seen.devices)
-        std::printf("device\t%s\t%s\t%s\n", device.name.c_str(), device.serial.c_str(), device.problem.c_str());
+        std::printf("device\t%s\t%s\t%s\n", device.name.c_str(), device.serial.c_str(),
+                    device.problem.c_str());
     return 0;
 }
 
@@ -135,8 +138,8 @@ int run(int argc, char** argv) {
     std::vector<std::string> settings;
     std::uint64_t lane = 0;
     bool only_try = false;
-    commandline::Command program("knurl-device",
-                                 "Drives one device through its maker's library, for the knurld that starts it");
+    commandline::Command program(
+        "knurl-device", "Drives one device through its maker's library, for the knurld that starts it");
     program.option("scheme", arguments.scheme, "driver: dhd, hd").required();
     program.option("--library", arguments.library, "the maker's library").type_name("FILE");
     program.option("--name", arguments.name, "serial number, index or name of the device; else the first");
@@ -144,9 +147,11 @@ int run(int argc, char** argv) {
     program.option("--set", settings, "a setting of the driver; may be repeated").type_name("NAME=NUMBER");
     program.option("--lane", lane, "of the memory shared with knurld").within(0, drivers::process::lanes - 1);
     program.option("--priority", arguments.priority, "SCHED_FIFO priority of its loop").within(0, 99);
-    program.flag("--try", only_try, "loads the library, prints its version and the devices that it sees, and ends");
+    program.flag("--try", only_try,
+                 "loads the library, prints its version and the devices that it sees, and ends");
     program.footer(
-        "knurld starts it for addresses like dhd:, and hands it memory and a pidfd as descriptors 3 and 4. By hand only\n"
+        "knurld starts it for addresses like dhd:, and hands it memory and a pidfd as descriptors 3 and 4. "
+        "By hand only\n"
         "--try makes sense.");
     if (program.parse(argc, argv) == commandline::Command::Answer::nothing) return 0;
     for (const std::string& word : settings) put_setting(arguments, word);

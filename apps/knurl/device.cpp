@@ -49,6 +49,7 @@ void add_device(commandline::Command& program) {
     device.requires_verb();
     add_device_check(device);
     add_device_test(device);
+    add_device_calibrate(device);
 }
 
 }  // namespace knurl::cli

@@ -76,7 +76,8 @@ struct Tried {
 std::string device_program() {
     namespace fs = std::filesystem;
     const fs::path here = fs::read_symlink("/proc/self/exe").parent_path();
-    for (const fs::path& candidate : {here / "knurl-device", here.parent_path() / "knurl-device" / "knurl-device"})
+    for (const fs::path& candidate :
+         {here / "knurl-device", here.parent_path() / "knurl-device" / "knurl-device"})
         if (fs::is_regular_file(candidate)) return candidate.string();
     return "";
 }
@@ -101,9 +102,10 @@ void load(Tried& tried) {
     std::getline(lines, first);
     if (status != 0) {
         const bool late = WIFEXITED(status) && WEXITSTATUS(status) == 124;
-        tried.problem = late            ? "it does not return within 5 s when it is asked for its version"
-                        : first.empty() ? "it crashes when it is asked for its version"
-                                        : first.substr(first.find(": ") == std::string::npos ? 0 : first.find(": ") + 2);
+        tried.problem = late ? "it does not return within 5 s when it is asked for its version"
+                        : first.empty()
+                            ? "it crashes when it is asked for its version"
+                            : first.substr(first.find(": ") == std::string::npos ? 0 : first.find(": ") + 2);
         return;
     }
     tried.version = first.substr(0, first.find('\t'));
@@ -115,7 +117,12 @@ void load(Tried& tried) {
 std::vector<Tried> libraries() {
     std::vector<Tried> all;
     for (const drivers::VendorLibrary& library : drivers::vendor_libraries()) {
-        Tried tried{.scheme = library.scheme, .product = library.product, .path = {}, .version = {}, .problem = {}, .mend = {}};
+        Tried tried{.scheme = library.scheme,
+                    .product = library.product,
+                    .path = {},
+                    .version = {},
+                    .problem = {},
+                    .mend = {}};
         try {
             const auto found = drivers::find_library(library);
             if (found.empty()) {
@@ -136,11 +143,13 @@ std::vector<Tried> libraries() {
 
 void print_libraries(const std::vector<Tried>& all) {
     for (const Tried& tried : all) {
-        fmt::print("{}:  {}{}{}: {}\n", tried.scheme, tried.product, tried.version.empty() ? "" : " " + tried.version,
-                   tried.path.empty() ? "" : ", " + tried.path,
-                   !tried.problem.empty() ? tried.problem
-                   : tried.devices >= 0   ? fmt::format("loads; it sees {} device{}", tried.devices, tried.devices == 1 ? "" : "s")
-                                          : "loads; it tells no devices before one is opened");
+        fmt::print(
+            "{}:  {}{}{}: {}\n", tried.scheme, tried.product,
+            tried.version.empty() ? "" : " " + tried.version, tried.path.empty() ? "" : ", " + tried.path,
+            !tried.problem.empty() ? tried.problem
+            : tried.devices >= 0
+                ? fmt::format("loads; it sees {} device{}", tried.devices, tried.devices == 1 ? "" : "s")
+                : "loads; it tells no devices before one is opened");
         if (!tried.mend.empty()) fmt::print("  mend it: {}\n", tried.mend);
     }
 }
@@ -216,8 +225,10 @@ int list(bool as_json) {
                           {"devices", tried.devices < 0 ? json() : json(tried.devices)},
                           {"problem", or_null(tried.problem)},
                           {"mend", or_null(tried.mend)}});
-    fmt::print("{}\n", json{{"devices", devices}, {"drivers", known}, {"libraries", loaded}, {"problem", or_null(no_usb)}}
-                           .dump(2));
+    fmt::print(
+        "{}\n",
+        json{{"devices", devices}, {"drivers", known}, {"libraries", loaded}, {"problem", or_null(no_usb)}}
+            .dump(2));
     return 0;
 }
 

@@ -29,5 +29,6 @@ void add_reset(commandline::Command& program);
 void add_web(commandline::Command& program);
 void add_device_check(commandline::Command& device);
 void add_device_test(commandline::Command& device);
+void add_device_calibrate(commandline::Command& device);
 
 }  // namespace knurl::cli

@@ -11,7 +11,8 @@ Eigen::Matrix3d CartesianTool::left_jacobian(const Eigen::Vector3d& rotation) no
     const double squared = rotation.squaredNorm(), angle = std::sqrt(squared);
     constexpr double small = 1e-3;
     const double first = angle < small ? 0.5 - squared / 24 : (1 - std::cos(angle)) / squared;
-    const double second = angle < small ? 1.0 / 6 - squared / 120 : (angle - std::sin(angle)) / (squared * angle);
+    const double second =
+        angle < small ? 1.0 / 6 - squared / 120 : (angle - std::sin(angle)) / (squared * angle);
     Eigen::Matrix3d cross;
     cross << 0, -rotation.z(), rotation.y(), rotation.z(), 0, -rotation.x(), -rotation.y(), rotation.x(), 0;
     return Eigen::Matrix3d::Identity() + first * cross + second * cross * cross;
@@ -31,10 +32,12 @@ Eigen::Vector3d CartesianTool::rotation_near(const Eigen::Quaterniond& orientati
     return (one - last).squaredNorm() <= (other - last).squaredNorm() ? one : other;
 }
 
-bool CartesianTool::forward(std::span<const double> joints, TipPose& pose, Jacobian& jacobian) const noexcept {
+bool CartesianTool::forward(std::span<const double> joints, TipPose& pose,
+                            Jacobian& jacobian) const noexcept {
     const auto count = static_cast<std::size_t>(this->joints());
     if (joints.size() < count) return false;
-    if (!std::ranges::all_of(joints.first(count), [](double joint) { return std::isfinite(joint); })) return false;
+    if (!std::ranges::all_of(joints.first(count), [](double joint) { return std::isfinite(joint); }))
+        return false;
     pose.position = {joints[0], joints[1], joints[2]};
     pose.orientation.setIdentity();
     jacobian.setZero();

@@ -9,6 +9,7 @@
 
 #include "debounced.hpp"
 #include "falcon/device.hpp"
+#include "measured.hpp"
 #include "process/device.hpp"
 #include "spacemouse/device.hpp"
 #include "wooden/device.hpp"
@@ -17,24 +18,21 @@ namespace knurl::drivers {
 
 std::vector<Driver>& drivers() {
     static std::vector<Driver> all = {
-        sim_driver(),
-        falcon::driver(),
-        spacemouse::driver(),
-        wooden::driver(),
-        process::dhd_driver(),
-        process::hd_driver(),
+        sim_driver(),     falcon::driver(),      spacemouse::driver(),
+        wooden::driver(), process::dhd_driver(), process::hd_driver(),
     };
     return all;
 }
 
 namespace {
 
-constexpr std::string_view debounce_option = "debounce=";
+constexpr std::string_view debounce_option = "debounce=", measured_option = "measured=";
 
 /// The options that every driver's address may have, removed from it.
 struct AddressOptions {
     std::string what;
     double debounce = Debounce::usual;  // s
+    std::string measured;               // file; empty: the driver's own figures
 };
 
 AddressOptions options_of(std::string_view address, std::size_t at) {
@@ -44,6 +42,10 @@ AddressOptions options_of(std::string_view address, std::size_t at) {
         more = end != std::string_view::npos;
         const std::string_view item = address.substr(at, more ? end - at : end);
         at = end + 1;
+        if (item.starts_with(measured_option)) {
+            given.measured = item.substr(measured_option.size());
+            continue;
+        }
         if (!item.starts_with(debounce_option)) {
             given.what.append(first ? "" : ",").append(item);
             continue;
@@ -70,7 +72,9 @@ std::unique_ptr<Device> open_device(std::string_view address, const OpenOptions&
     for (const Driver& driver : drivers()) {
         if (colon != std::string_view::npos && driver.scheme == scheme) {
             const AddressOptions given = options_of(address, colon + 1);
+            if (!given.measured.empty()) check_measured(given.measured);
             std::unique_ptr<Device> device = driver.open(given.what, options);
+            if (device && !given.measured.empty()) device = measured(std::move(device), given.measured);
             return device ? debounced(std::move(device), given.debounce) : nullptr;
         }
         known += (known.empty() ? "" : "; ") + driver.scheme + ":" + driver.help;

@@ -38,7 +38,8 @@ double filter_lag(double corner) {
 
 LinkConfig describe(const Settings& settings, const UsbDevice& usb) {
     std::ostringstream text;
-    text << "Novint Falcon " << (usb.port.empty() ? "that is waited for" : "in port " + usb.port) << ", force not calibrated (" << settings.counts_per_effort
+    text << "Novint Falcon " << (usb.port.empty() ? "that is waited for" : "in port " + usb.port)
+         << ", force not calibrated (" << settings.counts_per_effort
          << " counts per N m), damping and lag not measured by us";
     if (settings.firmware) {
         const std::string known = settings.firmware->known_as();
@@ -162,7 +163,8 @@ std::unique_ptr<Device> open(std::string_view what, const OpenOptions& options) 
 Driver driver() {
     return {.scheme = "falcon",
             .help =
-                "[SERIAL][?wait][,firmware=FILE][,force=COUNTS_PER_NM][,low_pass=HZ][,limit=N][,damping=NS_PER_M][,"
+                "[SERIAL][?wait][,firmware=FILE][,force=COUNTS_PER_NM][,low_pass=HZ][,limit=N][,damping=NS_"
+                "PER_M][,"
                 "lag=S]"
                 "[,max_stiffness=N_PER_M][,mass=KG][,event_char=on][,port=PORT]",
             .open = open,

@@ -143,8 +143,8 @@ std::string library_for(const std::string& scheme) {
         if (unusable.empty()) unusable = found.path + ": " + found.problem;
     }
     if (!unusable.empty()) throw std::runtime_error(scheme + ": cannot use " + unusable);
-    throw std::runtime_error(scheme + ": there is no " + library.names.front() + " of the " + library.product +
-                             " on this machine; " + library.remedy);
+    throw std::runtime_error(scheme + ": there is no " + library.names.front() + " of the " +
+                             library.product + " on this machine; " + library.remedy);
 }
 
 /// Options that knurl-device gets as --set NAME=VALUE.
@@ -165,12 +165,14 @@ class Settings {
 usb::Address address_of(const char* scheme, std::string_view what) {
     usb::Address address({.scheme = scheme, .kind = scheme, .ids = {}}, what);
     if (!address.wanted().port.empty())
-        throw std::runtime_error(std::string(scheme) + ":" + std::string(what) +
-                                 ": port= is not known to the maker's library; name the device by its serial number");
+        throw std::runtime_error(
+            std::string(scheme) + ":" + std::string(what) +
+            ": port= is not known to the maker's library; name the device by its serial number");
     if (address.wanted().wait)
-        throw std::runtime_error(std::string(scheme) + ":" + std::string(what) +
-                                 ": ?wait is for devices whose figures are known before they are there; this one states its "
-                                 "own");
+        throw std::runtime_error(
+            std::string(scheme) + ":" + std::string(what) +
+            ": ?wait is for devices whose figures are known before they are there; this one states its "
+            "own");
     return address;
 }
 
@@ -231,20 +233,23 @@ Driver hd_driver() {
             .open = open_hd,
             // Of the Touch by USB, which is a serial port to the kernel; as found in others' udev rules.
             .usb = {{0x2988, 0x0302}, {0x2988, 0x0304}},
-            .note = "the name is the one that the maker's Touch_Setup gave it; its serial port (ls -l /dev/ttyACM*) must "
-                    "be this user's: sudo usermod --append --groups dialout $USER",
+            .note =
+                "the name is the one that the maker's Touch_Setup gave it; its serial port (ls -l "
+                "/dev/ttyACM*) must "
+                "be this user's: sudo usermod --append --groups dialout $USER",
             .named_by_library = true};
 }
 
 Driver dhd_driver() {
-    return {.scheme = "dhd",
-            .help = "[SERIAL|INDEX][,rate=HZ][,watchdog=S][,base_x=DEG][,base_z=DEG][,tool=KG]" +
-                    std::string(figure_help),
-            .open = open_dhd,
-            // As found in others' udev rules: 0301 omega, 0402 and 0403 sigma, 040c lambda; the rest between them.
-            .usb = force_dimension_ids(),
-            .note = "its serial number is the one that the SDK shows",
-            .named_by_library = true};
+    return {
+        .scheme = "dhd",
+        .help = "[SERIAL|INDEX][,rate=HZ][,watchdog=S][,base_x=DEG][,base_z=DEG][,tool=KG]" +
+                std::string(figure_help),
+        .open = open_dhd,
+        // As found in others' udev rules: 0301 omega, 0402 and 0403 sigma, 040c lambda; the rest between them.
+        .usb = force_dimension_ids(),
+        .note = "its serial number is the one that the SDK shows",
+        .named_by_library = true};
 }
 
 }  // namespace knurl::drivers::process

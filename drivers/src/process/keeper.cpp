@@ -30,11 +30,13 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string device_program() {
-    if (const char* given = std::getenv("KNURL_DEVICE_PROGRAM"); given != nullptr && *given != '\0') return given;
+    if (const char* given = std::getenv("KNURL_DEVICE_PROGRAM"); given != nullptr && *given != '\0')
+        return given;
     std::error_code none;
     const fs::path here = fs::read_symlink("/proc/self/exe", none).parent_path();
     // When installed all are in one folder; in a build tree each has its own.
-    for (const fs::path& candidate : {here / "knurl-device", here.parent_path() / "knurl-device" / "knurl-device"})
+    for (const fs::path& candidate :
+         {here / "knurl-device", here.parent_path() / "knurl-device" / "knurl-device"})
         if (fs::is_regular_file(candidate, none)) return candidate.string();
     throw std::runtime_error("there is no knurl-device beside this program (" + here.string() +
                              "): it talks to the device; install the package knurl-server");
@@ -88,12 +90,14 @@ void Keeper::Fd::reset(int other) noexcept {
 
 Keeper::Keeper(Plan plan) : plan_(std::move(plan)), program_(device_program()) {
     mapping_.number = raised(memfd_create("knurl-device", MFD_CLOEXEC));
-    if (mapping_.number < 0 || ftruncate(mapping_.number, sizeof(Shared)) != 0) throw system_error("no memory to share");
+    if (mapping_.number < 0 || ftruncate(mapping_.number, sizeof(Shared)) != 0)
+        throw system_error("no memory to share");
     servo_.number = raised(static_cast<int>(syscall(SYS_pidfd_open, getpid(), 0)));
     if (servo_.number < 0) throw system_error("pidfd_open");
     stop_.number = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
     if (stop_.number < 0) throw system_error("eventfd");
-    void* memory = mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_POPULATE, mapping_.number, 0);
+    void* memory =
+        mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_POPULATE, mapping_.number, 0);
     if (memory == MAP_FAILED) throw system_error("no memory to share");
     shared_ = new (memory) Shared;
     try {
@@ -113,7 +117,8 @@ Keeper::Keeper(Plan plan) : plan_(std::move(plan)), program_(device_program()) {
             },
             this);
         pthread_sigmask(SIG_SETMASK, &before, nullptr);
-        if (error != 0) throw std::runtime_error(std::string("knurl-device: no thread: ") + std::strerror(error));
+        if (error != 0)
+            throw std::runtime_error(std::string("knurl-device: no thread: ") + std::strerror(error));
     } catch (...) {
         end();
         munmap(shared_, sizeof(Shared));
@@ -134,8 +139,9 @@ Keeper::~Keeper() {
 void Keeper::start(Lane& lane, unsigned number) {
     lane.~Lane();
     new (&lane) Lane;
-    std::vector<std::string> words{program_, plan_.scheme, "--lane", std::to_string(number), "--priority",
-                                   std::to_string(plan_.priority)};
+    std::vector<std::string> words{program_,     plan_.scheme,
+                                   "--lane",     std::to_string(number),
+                                   "--priority", std::to_string(plan_.priority)};
     words.insert(words.end(), plan_.arguments.begin(), plan_.arguments.end());
     const std::string serial(description_.serial.data());  // after the first one: this very device
     if (!serial.empty()) words.insert(words.end(), {"--serial", serial});
@@ -144,7 +150,8 @@ void Keeper::start(Lane& lane, unsigned number) {
     argv.push_back(nullptr);
     SpawnSettings with;
     posix_spawn_file_actions_addopen(&with.actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-    posix_spawn_file_actions_adddup2(&with.actions, STDERR_FILENO, STDOUT_FILENO);  // a maker's library may print
+    posix_spawn_file_actions_adddup2(&with.actions, STDERR_FILENO,
+                                     STDOUT_FILENO);  // a maker's library may print
     posix_spawn_file_actions_adddup2(&with.actions, mapping_.number, mapping_fd);
     posix_spawn_file_actions_adddup2(&with.actions, servo_.number, servo_fd);
     const sched_param none{};
@@ -157,7 +164,8 @@ void Keeper::start(Lane& lane, unsigned number) {
     posix_spawnattr_setflags(&with.attributes,
                              POSIX_SPAWN_SETSCHEDULER | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETPGROUP);
     pid_t pid = -1;
-    const int error = posix_spawn(&pid, program_.c_str(), &with.actions, &with.attributes, argv.data(), environ);
+    const int error =
+        posix_spawn(&pid, program_.c_str(), &with.actions, &with.attributes, argv.data(), environ);
     if (error != 0)
         throw std::runtime_error(program_ + " does not start: " + std::strerror(error) +
                                  "; it belongs to the package knurl-server");
@@ -175,18 +183,21 @@ std::string Keeper::wait_until_ready(Lane& lane) {
                                     pollfd{.fd = stop_.number, .events = POLLIN, .revents = 0}};
         poll(waits.data(), waits.size(), 5);
         const bool gone = waits[0].revents != 0;
-        if (gone && static_cast<LaneState>(lane.state.load(std::memory_order_acquire)) == LaneState::ready) return "";
+        if (gone && static_cast<LaneState>(lane.state.load(std::memory_order_acquire)) == LaneState::ready)
+            return "";
         if (gone) {
             const std::string end = ended(), said = message_of(lane.message);
-            return said.empty() ? "knurl-device was " + end + " while it opened the device; knurl-device --try " +
-                                      plan_.scheme + " shows where"
-                                : said;
+            return said.empty()
+                       ? "knurl-device was " + end + " while it opened the device; knurl-device --try " +
+                             plan_.scheme + " shows where"
+                       : said;
         }
         if (waits[1].revents != 0) return "stopped";
         if (waited < plan_.patience_ms) continue;
         kill(pid(), SIGKILL);
         ended();
-        return "the maker's library has not opened the device within " + std::to_string(plan_.patience_ms / 1000) +
+        return "the maker's library has not opened the device within " +
+               std::to_string(plan_.patience_ms / 1000) +
                " s; plug it out and in, and end other programs that use it";
     }
 }
@@ -224,14 +235,15 @@ void Keeper::live() noexcept {
     try {
         once();
     } catch (const std::exception& error) {
-        std::fprintf(stderr, "knurld: %s:%s is lost: %s\n", plan_.scheme.c_str(), plan_.what.c_str(), error.what());
+        std::fprintf(stderr, "knurld: %s:%s is lost: %s\n", plan_.scheme.c_str(), plan_.what.c_str(),
+                     error.what());
         session_.store((session() | 1U) + 1, std::memory_order_release);
     }
 }
 
 void Keeper::once() {
     std::uint64_t beat = 0;
-    int lives = 0;  // looks at which this process lived
+    int lives = 0;                         // looks at which this process lived
     for (int still = 0, pause_ms = 0;;) {  // the first at once: its device may hold the last force
         std::array<pollfd, 2> waits{pollfd{.fd = child_.number, .events = POLLIN, .revents = 0},
                                     pollfd{.fd = stop_.number, .events = POLLIN, .revents = 0}};
@@ -253,8 +265,8 @@ void Keeper::once() {
         const std::string end = ended(), said = message_of(now.message);
         if (why.empty()) why = said.empty() ? "knurl-device was " + end : said;
         if (session() % 2 == 1) session_.store(session() + 1, std::memory_order_release);
-        std::fprintf(stderr, "knurld: %s:%s: %s; it is looked for again\n", plan_.scheme.c_str(), plan_.what.c_str(),
-                     why.c_str());
+        std::fprintf(stderr, "knurld: %s:%s: %s; it is looked for again\n", plan_.scheme.c_str(),
+                     plan_.what.c_str(), why.c_str());
         for (bool ready = false; !ready;) {
             if (pause(pause_ms)) return;
             pause_ms = std::clamp(2 * pause_ms, first_pause_ms, longest_pause_ms);

@@ -23,20 +23,21 @@ namespace knurl::drivers::process {
 
 /// What to start.
 struct Plan {
-    std::string scheme;                   // for messages too
-    std::string what;                     // the address after the scheme
-    std::vector<std::string> arguments;   // of knurl-device, after the scheme
-    int priority = 0;                     // SCHED_FIFO of its loop; 0: ordinary
-    int patience_ms = 20'000;             // until the first one must be ready
-    int hang_ms = 1000;                   // without a beat: killed
+    std::string scheme;                  // for messages too
+    std::string what;                    // the address after the scheme
+    std::vector<std::string> arguments;  // of knurl-device, after the scheme
+    int priority = 0;                    // SCHED_FIFO of its loop; 0: ordinary
+    int patience_ms = 20'000;            // until the first one must be ready
+    int hang_ms = 1000;                  // without a beat: killed
 };
 
 class Keeper {
   public:
-    static constexpr int first_pause_ms = 50, longest_pause_ms = 1000;  // before another start that follows soon
-    static constexpr int calm_looks = 20;  // after a life so long it is started again at once
-    static constexpr int look_ms = 50;                                   // between two looks at the beat
-    static constexpr int farewell_ms = 2000;  // for the last one to zero and close; then it is killed
+    static constexpr int first_pause_ms = 50,
+                         longest_pause_ms = 1000;  // before another start that follows soon
+    static constexpr int calm_looks = 20;          // after a life so long it is started again at once
+    static constexpr int look_ms = 50;             // between two looks at the beat
+    static constexpr int farewell_ms = 2000;       // for the last one to zero and close; then it is killed
 
     /// Throws std::runtime_error: why there is no device, what to do.
     explicit Keeper(Plan plan);

@@ -32,7 +32,8 @@ std::string text_of(const std::array<char, n>& from) {
     return {from.begin(), std::find(from.begin(), from.end(), '\0')};
 }
 
-long futex(std::atomic<std::uint32_t>& word, int operation, std::uint32_t value, const timespec* until) noexcept {
+long futex(std::atomic<std::uint32_t>& word, int operation, std::uint32_t value,
+           const timespec* until) noexcept {
     return syscall(SYS_futex, &word, operation, value, until, nullptr, FUTEX_BITSET_MATCH_ANY);
 }
 
@@ -55,7 +56,8 @@ Description description_of(const LinkConfig& link, const ToolShape& shape, bool 
     put(d.name, link.name);
     put(d.serial, link.serial);
     put(d.text, link.description);
-    std::copy_n(link.radians_per_count.begin(), std::min<std::size_t>(link.radians_per_count.size(), max_joints),
+    std::copy_n(link.radians_per_count.begin(),
+                std::min<std::size_t>(link.radians_per_count.size(), max_joints),
                 d.radians_per_count.begin());
     std::copy_n(link.effort_limit.begin(), std::min<std::size_t>(link.effort_limit.size(), max_joints),
                 d.effort_limit.begin());
@@ -86,15 +88,17 @@ Description description_of(const LinkConfig& link, const ToolShape& shape, bool 
 }
 
 LinkConfig link_of(const Description& d) {
-    const auto numbers = {d.workspace_radius, d.nominal_rate,     d.peak_force,         d.continuous_force,
-                          d.peak_torque,      d.damping,          d.rotational_damping, d.lag,
-                          d.grip_damping,     d.apparent_mass,    d.watchdog_time,      d.measured_max_stiffness};
+    const auto numbers = {d.workspace_radius,   d.nominal_rate,  d.peak_force,
+                          d.continuous_force,   d.peak_torque,   d.damping,
+                          d.rotational_damping, d.lag,           d.grip_damping,
+                          d.apparent_mass,      d.watchdog_time, d.measured_max_stiffness};
     const int joints = 3 + (d.shape.wrist != 0 ? 3 : 0) + (d.shape.gripper >= 0 ? 1 : 0);
     const bool sense = std::ranges::all_of(numbers, [](double n) { return std::isfinite(n) && n >= 0; }) &&
                        d.sensed_joints == joints && d.actuated_joints >= 0 && d.actuated_joints <= joints &&
                        d.shape.gripper < joints && (d.shape.gripper == -1 || d.shape.gripper >= 3) &&
                        d.workspace_radius > 0 && d.nominal_rate > 0;
-    if (!sense) throw std::runtime_error("knurl-device describes a device that cannot be; it is of another build");
+    if (!sense)
+        throw std::runtime_error("knurl-device describes a device that cannot be; it is of another build");
     LinkConfig link;
     link.name = text_of(d.name);
     link.serial = text_of(d.serial);
@@ -127,12 +131,14 @@ LinkConfig link_of(const Description& d) {
 
 Exchange::Exchange(int mapping, unsigned lane) {
     struct stat info = {};
-    const bool is = fstat(mapping, &info) == 0 && info.st_size == static_cast<off_t>(sizeof(Shared)) && lane < lanes;
+    const bool is =
+        fstat(mapping, &info) == 0 && info.st_size == static_cast<off_t>(sizeof(Shared)) && lane < lanes;
     void* memory =
         is ? mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED, mapping, 0) : MAP_FAILED;
     if (memory == MAP_FAILED || static_cast<Shared*>(memory)->size != sizeof(Shared))
-        throw std::runtime_error("descriptor " + std::to_string(mapping) +
-                                 " is no mapping of a servo of this build; knurld starts this program, do not start it");
+        throw std::runtime_error(
+            "descriptor " + std::to_string(mapping) +
+            " is no mapping of a servo of this build; knurld starts this program, do not start it");
     shared_ = static_cast<Shared*>(memory);
     lane_ = &shared_->lane[lane];
     heard_ = shared_->bell.load(std::memory_order_seq_cst);
@@ -172,7 +178,8 @@ JointEfforts Exchange::efforts(Nanoseconds now) noexcept {
         ordered_ = true;
         const Nanoseconds under_way = std::clamp<Nanoseconds>(now - order_.written, 0, UINT32_MAX);
         const std::uint64_t number = lane_->hops.load(std::memory_order_relaxed);
-        lane_->hop[number % kept_hops].store(static_cast<std::uint32_t>(under_way), std::memory_order_relaxed);
+        lane_->hop[number % kept_hops].store(static_cast<std::uint32_t>(under_way),
+                                             std::memory_order_relaxed);
         lane_->hops.store(number + 1, std::memory_order_release);
     }
     if (!ordered_ || now - order_.written > silence || leaving()) return {};

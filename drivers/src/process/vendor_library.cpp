@@ -56,7 +56,8 @@ std::vector<std::string> system_folders() {
         for (std::string line; std::getline(lines, line);)
             if (line.starts_with('/')) all.push_back(line);
     }
-    for (const char* usual : {"/usr/local/lib", "/usr/lib", "/lib", "/usr/lib64", "/lib64"}) all.emplace_back(usual);
+    for (const char* usual : {"/usr/local/lib", "/usr/lib", "/lib", "/usr/lib64", "/lib64"})
+        all.emplace_back(usual);
     return all;
 }
 
@@ -83,8 +84,9 @@ std::vector<std::string> named(const VendorLibrary& library, const std::string& 
     for (const std::string& name : library.names)
         if (access((given + "/" + name).c_str(), F_OK) == 0) files.push_back(given + "/" + name);
     if (files.empty())
-        throw std::runtime_error(library.variable + "=" + given + ": the folder has no " + library.names.front() +
-                                 "; name the folder or the file of the " + library.product);
+        throw std::runtime_error(library.variable + "=" + given + ": the folder has no " +
+                                 library.names.front() + "; name the folder or the file of the " +
+                                 library.product);
     return files;
 }
 
@@ -106,7 +108,8 @@ const std::vector<VendorLibrary>& vendor_libraries() {
          .names = {"libHD.so", "libHD.so.3.4", "libHD.so.3"},
          .folders = {"/opt/OpenHaptics/*/lib", "/opt/OpenHaptics/Developer/*/lib64", "/usr/lib/openhaptics",
                      "~/OpenHaptics/*/lib", "~/openhaptics*/usr/lib"},
-         .remedy = "install OpenHaptics for Linux and the Touch device driver from 3D Systems (both: install scripts "
+         .remedy = "install OpenHaptics for Linux and the Touch device driver from 3D Systems (both: install "
+                   "scripts "
                    "in their archives), then name libHD.so or its folder in KNURL_LIBHD if it is elsewhere"},
     };
     return all;
@@ -126,11 +129,13 @@ std::string why_not_loadable(const std::string& path) {
     std::array<unsigned char, 20> head{};
     std::ifstream file(path, std::ios::binary);
     file.read(reinterpret_cast<char*>(head.data()), head.size());
-    if (file.gcount() != static_cast<std::streamsize>(head.size()) || std::memcmp(head.data(), ELFMAG, SELFMAG) != 0)
+    if (file.gcount() != static_cast<std::streamsize>(head.size()) ||
+        std::memcmp(head.data(), ELFMAG, SELFMAG) != 0)
         return "it is no shared library (an archive, a script for the linker, a file that Git LFS left?)";
     const unsigned kind = head[16] | static_cast<unsigned>(head[17]) << 8;
     const unsigned machine = head[18] | static_cast<unsigned>(head[19]) << 8;
-    if (head[EI_CLASS] != ELFCLASS64) return "it has 32 bits, this program 64: take the maker's 64-bit library";
+    if (head[EI_CLASS] != ELFCLASS64)
+        return "it has 32 bits, this program 64: take the maker's 64-bit library";
     if (this_machine != EM_NONE && machine != this_machine)
         return std::string("it is for another processor than ") + this_machine_name;
     return kind == ET_DYN ? "" : "it is no shared library";

@@ -38,8 +38,8 @@ class WoodenHaptics final : public Device {
         link_.serial = io_.info().serial;
         std::ostringstream text;
         text << arm.description
-             << (io_.info().port.empty() ? " that is waited for" : " in port " + io_.info().port) << "; " << arm.source
-             << "; damping and lag not measured by us";
+             << (io_.info().port.empty() ? " that is waited for" : " in port " + io_.info().port) << "; "
+             << arm.source << "; damping and lag not measured by us";
         link_.description = text.str();
         link_.damping = damping;
         link_.lag = lag;
@@ -92,7 +92,8 @@ class WoodenHaptics final : public Device {
         for (std::size_t i = 0; i < motors; ++i) {
             first_counts_[i] = reading_.counts[i];
             if (stated_home_)
-                home_[i] = (*stated_home_)[i] - link_.radians_per_count[i] * static_cast<double>(first_counts_[i]);
+                home_[i] =
+                    (*stated_home_)[i] - link_.radians_per_count[i] * static_cast<double>(first_counts_[i]);
         }
         first_session_ = reading_.session;
     }

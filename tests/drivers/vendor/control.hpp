@@ -41,14 +41,14 @@ enum class Fault : std::uint32_t {
     hang_in_close,
     crash_in_position,  // a signal in the library's own code
     crash_in_open,
-    nan,            // positions that are no numbers
-    no_rotation,    // a matrix that is none
-    refuse_force,   // error codes, the device stays
-    refuse_once,    // the next five calls for a position fail
-    time_guard,     // nothing is exchanged, the old position again
-    com_error,      // the bus
-    device_error,   // the device's own state
-    warm,           // the motors
+    nan,           // positions that are no numbers
+    no_rotation,   // a matrix that is none
+    refuse_force,  // error codes, the device stays
+    refuse_once,   // the next five calls for a position fail
+    time_guard,    // nothing is exchanged, the old position again
+    com_error,     // the bus
+    device_error,  // the device's own state
+    warm,          // the motors
 };
 
 /// One force that was given to the device.
@@ -64,7 +64,7 @@ struct Device {
     std::atomic<std::uint32_t> wrist = 0, active_wrist = 0, gripper = 0, active_gripper = 0;
     std::array<std::atomic<double>, axes> target = {};  // m, rad, m: where the hand wants to be
     std::atomic<double> count = 1e-5;                   // m, of its encoders
-    std::atomic<std::uint32_t> rigid = 1;               // 1: the tip is where the hand wants; 0: a mass at a spring
+    std::atomic<std::uint32_t> rigid = 1;  // 1: the tip is where the hand wants; 0: a mass at a spring
     // By the library.
     std::array<std::atomic<double>, axes> position = {};
     std::array<std::atomic<double>, 3> velocity = {};
@@ -113,7 +113,8 @@ class Mapping {
     Mapping(const std::string& path, bool make) {
         const int fd = open(path.c_str(), O_RDWR | O_CLOEXEC | (make ? O_CREAT | O_TRUNC : 0), 0600);
         if (fd < 0 || (make && ftruncate(fd, sizeof(Control)) != 0)) throw std::runtime_error(path);
-        void* memory = mmap(nullptr, sizeof(Control), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_POPULATE, fd, 0);
+        void* memory =
+            mmap(nullptr, sizeof(Control), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_POPULATE, fd, 0);
         close(fd);
         if (memory == MAP_FAILED) throw std::runtime_error(path);
         control_ = make ? new (memory) Control : static_cast<Control*>(memory);

@@ -54,7 +54,8 @@ int open_device(std::size_t index) {
     Device& device = control->device[index];
     if (device.plugged.load() == 0) return fail(5);
     const std::uint32_t other = device.opened_by.load();
-    if (other != 0 && other != static_cast<std::uint32_t>(getpid()) && kill(static_cast<pid_t>(other), 0) == 0)
+    if (other != 0 && other != static_cast<std::uint32_t>(getpid()) &&
+        kill(static_cast<pid_t>(other), 0) == 0)
         return fail(20);
     device.opened_by = static_cast<std::uint32_t>(getpid());
     device.enabled = 0;
@@ -110,7 +111,8 @@ int dhdGetDeviceCount() {
     Control* control = hardware();
     if (control == nullptr) return 0;
     int count = 0;
-    for (std::size_t i = 0; i < control->devices.load(); ++i) count += control->device[i].plugged.load() != 0 ? 1 : 0;
+    for (std::size_t i = 0; i < control->devices.load(); ++i)
+        count += control->device[i].plugged.load() != 0 ? 1 : 0;
     return count;
 }
 int dhdOpenID(char id) {
@@ -223,8 +225,8 @@ unsigned dhdGetButtonMask(char id) {
 int dhdSetForce(double x, double y, double z, char id) {
     return set(id, {x, y, z});
 }
-int dhdSetForceAndTorqueAndGripperForce(double x, double y, double z, double tx, double ty, double tz, double grip,
-                                        char id) {
+int dhdSetForceAndTorqueAndGripperForce(double x, double y, double z, double tx, double ty, double tz,
+                                        double grip, char id) {
     return set(id, {x, y, z, tx, ty, tz, grip});
 }
 bool dhdHasWrist(char id) {

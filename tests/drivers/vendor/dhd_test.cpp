@@ -91,7 +91,8 @@ TEST_F(Dhd, HasAWristAndAGripperOnASigma7) {
     EXPECT_EQ(link.actuated_joints, 7);
     EXPECT_TRUE(link.renders_torque);
     ASSERT_TRUE(comes());
-    for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(sample_.position[3 + i], device.target[3 + i].load(), 1e-12);
+    for (std::size_t i = 0; i < 3; ++i)
+        EXPECT_NEAR(sample_.position[3 + i], device.target[3 + i].load(), 1e-12);
     EXPECT_DOUBLE_EQ(sample_.position[6], 0.015);
 
     // A wrench through J^T and back is the wrench.
@@ -105,7 +106,8 @@ TEST_F(Dhd, HasAWristAndAGripperOnASigma7) {
     JointEfforts efforts;
     std::copy_n(tau.data(), 8, efforts.begin());
     ASSERT_TRUE(gives(efforts, [&] { return bench_.device().share_of(6, counterfeit::now_ns()) == 2; }));
-    for (int i = 0; i < 3; ++i) EXPECT_NEAR(device.force[static_cast<std::size_t>(3 + i)].load(), torque[i], 1e-12);
+    for (int i = 0; i < 3; ++i)
+        EXPECT_NEAR(device.force[static_cast<std::size_t>(3 + i)].load(), torque[i], 1e-12);
 }
 
 TEST_F(Dhd, DrivesTheGripperOfAnOmega7WhoseWristIsPassive) {
@@ -121,7 +123,8 @@ TEST_F(Dhd, DrivesTheGripperOfAnOmega7WhoseWristIsPassive) {
     ASSERT_TRUE(comes());
     EXPECT_DOUBLE_EQ(sample_.position[3], 0.01) << "driven joints come first";
     EXPECT_NEAR(sample_.position[5], 0.5, 1e-12);
-    ASSERT_TRUE(gives({0, 0, 0, -4}, [&] { return bench_.device().share_of(6, counterfeit::now_ns()) == -4; }));
+    ASSERT_TRUE(
+        gives({0, 0, 0, -4}, [&] { return bench_.device().share_of(6, counterfeit::now_ns()) == -4; }));
 }
 
 TEST_F(Dhd, OpensTheDeviceThatTheSerialNumberNamesAndTwoAtOnce) {
@@ -369,8 +372,8 @@ TEST(CartesianTool, FollowsAHandPastHalfATurnWithoutALeap) {
     Eigen::Vector3d last = Eigen::Vector3d::Zero();
     const Eigen::Vector3d axis = Eigen::Vector3d(1, 2, -1).normalized();
     for (double angle = 0; angle < 6; angle += 0.01) {
-        const Eigen::Vector3d next = CartesianTool::rotation_near(
-            Eigen::Quaterniond(Eigen::AngleAxisd(angle, axis)), last);
+        const Eigen::Vector3d next =
+            CartesianTool::rotation_near(Eigen::Quaterniond(Eigen::AngleAxisd(angle, axis)), last);
         EXPECT_LT((next - last).norm(), 0.011);
         EXPECT_NEAR(next.norm(), angle, 1e-9);
         last = next;

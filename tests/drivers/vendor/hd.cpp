@@ -2,9 +2,8 @@
 // calls back, frames, an error stack, a current device per thread. Its hardware is control.hpp's file. x right, y up, z
 // towards the user, millimetres.
 
-#include <csignal>
-
 #include <atomic>
+#include <csignal>
 #include <thread>
 #include <vector>
 
@@ -64,13 +63,15 @@ unsigned hdInitDevice(const char* name) {
     const std::size_t index = wanted == "Default Device" ? 0 : wanted == "second" ? 1 : most_devices;
     if (control != nullptr && control->has(Fault::hang_in_open)) hang();
     if (control != nullptr && control->has(Fault::crash_in_open)) std::raise(SIGSEGV);
-    if (control == nullptr || index >= control->devices.load() || control->device[index].plugged.load() == 0) {
+    if (control == nullptr || index >= control->devices.load() ||
+        control->device[index].plugged.load() == 0) {
         fail(control != nullptr && index < most_devices ? 0x0302 : 0x0104);
         return 0xffffffff;
     }
     Device& device = control->device[index];
     const std::uint32_t other = device.opened_by.load();
-    if (other != 0 && other != static_cast<std::uint32_t>(getpid()) && kill(static_cast<pid_t>(other), 0) == 0) {
+    if (other != 0 && other != static_cast<std::uint32_t>(getpid()) &&
+        kill(static_cast<pid_t>(other), 0) == 0) {
         fail(0x0301);
         return 0xffffffff;
     }
@@ -147,7 +148,8 @@ void hdEndFrame(unsigned) {
     if (control->has(Fault::warm)) fail(0x0200);
     if (!set) return;
     // Into Knurl's axes: (z, x, y).
-    give(*there, {ordered[2], ordered[0], ordered[1], twisted[2] * 1e-3, twisted[0] * 1e-3, twisted[1] * 1e-3});
+    give(*there,
+         {ordered[2], ordered[0], ordered[1], twisted[2] * 1e-3, twisted[0] * 1e-3, twisted[1] * 1e-3});
 }
 void hdGetDoublev(unsigned what, double* out) {
     Device* there = present();

@@ -29,7 +29,8 @@ constexpr int priority = 80;
 
 void real_time(int level) {
     const sched_param parameters{.sched_priority = level};
-    if (sched_setscheduler(0, SCHED_FIFO, &parameters) != 0) std::puts("no real-time priority: figures of an ordinary thread");
+    if (sched_setscheduler(0, SCHED_FIFO, &parameters) != 0)
+        std::puts("no real-time priority: figures of an ordinary thread");
     prctl(PR_SET_TIMERSLACK, 1UL);
 }
 /// Idle CPUs poll, as knurld has it by default, where that is allowed.
@@ -51,7 +52,10 @@ void until(std::int64_t t) {
 void report(benchmark::State& state, std::vector<std::int64_t> times) {
     std::ranges::sort(times);
     const auto share = [&](double q) {
-        return times.empty() ? 0 : 1e-3 * static_cast<double>(times[static_cast<std::size_t>(q * static_cast<double>(times.size() - 1))]);
+        return times.empty()
+                   ? 0
+                   : 1e-3 * static_cast<double>(
+                                times[static_cast<std::size_t>(q * static_cast<double>(times.size() - 1))]);
     };
     state.counters["p50_us"] = share(0.5);
     state.counters["p90_us"] = share(0.9);
@@ -63,10 +67,12 @@ void report(benchmark::State& state, std::vector<std::int64_t> times) {
 void order_through_driver_process(benchmark::State& state) {
     knurl::counterfeit::Bench bench;
     bench->call_us = 0;
-    const auto device = knurl::drivers::open_device("dhd:,watchdog=0.03", {.hand_file = "", .seed = 1, .io_priority = priority + 1});
+    const auto device = knurl::drivers::open_device(
+        "dhd:,watchdog=0.03", {.hand_file = "", .seed = 1, .io_priority = priority + 1});
     auto& hardware = bench.device();
     knurl::drivers::JointSample sample;
-    while (device->read(0, sample) != knurl::drivers::ReadStatus::ok || !sample.calibrated) {}
+    while (device->read(0, sample) != knurl::drivers::ReadStatus::ok || !sample.calibrated) {
+    }
     real_time(priority);
     std::vector<std::int64_t> hops;
     std::int64_t next = now_ns();

@@ -95,7 +95,8 @@ class Wall : public testing::TestWithParam<const char*> {
             const std::int64_t late_ns = std::max<std::int64_t>(0, last_push() - since);
             std::printf("%s: zero %.2f ms after\n", GetParam(), static_cast<double>(late_ns) * 1e-6);
             const int late = static_cast<int>(late_ns / 1'000'000);
-            if (const test::Missing missing = test::missing_real_time(86); !missing.empty()) GTEST_SKIP() << missing;
+            if (const test::Missing missing = test::missing_real_time(86); !missing.empty())
+                GTEST_SKIP() << missing;
             if (chances.is_the_last(late)) {
                 EXPECT_LE(late, promised);
                 return;
@@ -118,7 +119,8 @@ TEST_P(Wall, IsFelt) {
     const double depth = reach * 200 / (200 + wall.stiffness);
     ASSERT_TRUE(test::eventually([&] {
         report();
-        return std::abs(hardware().position[2].load() - depth) < 1e-4 && std::abs(hardware().velocity[2].load()) < 1e-3;
+        return std::abs(hardware().position[2].load() - depth) < 1e-4 &&
+               std::abs(hardware().velocity[2].load()) < 1e-3;
     })) << hardware().position[2].load();
     EXPECT_NEAR(force_now(), -wall.stiffness * hardware().position[2].load(), 0.02);
     const auto seen = hand_->newest(1s);
@@ -153,9 +155,11 @@ TEST_P(Wall, GoesOnWhenTheDriverProcessIsKilled) {
 }
 
 TEST_P(Wall, FaultsWhenACallHangsOrCrashesAndCanBeArmedAgain) {
-    for (const Fault fault : {Fault::hang_in_position, Fault::hang_in_force, Fault::crash_in_position, Fault::nan}) {
+    for (const Fault fault :
+         {Fault::hang_in_position, Fault::hang_in_force, Fault::crash_in_position, Fault::nan}) {
         bench_->set(fault);
-        ASSERT_TRUE(test::eventually([&] { return hardware().largest_now() == 0; })) << static_cast<int>(fault);
+        ASSERT_TRUE(test::eventually([&] { return hardware().largest_now() == 0; }))
+            << static_cast<int>(fault);
         bench_->set(Fault::none);
         EXPECT_TRUE(pushes()) << static_cast<int>(fault);
     }

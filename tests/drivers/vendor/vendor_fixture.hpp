@@ -58,7 +58,9 @@ class Vendor : public testing::Test {
         return until(efforts, [&] { return status_ == ReadStatus::ok && sample_.calibrated; });
     }
     bool pushes(double newtons = 2) {
-        return comes() && gives({newtons}, [&] { return bench_.device().share_of(0, counterfeit::now_ns()) == newtons; });
+        return comes() && gives({newtons}, [&] {
+                   return bench_.device().share_of(0, counterfeit::now_ns()) == newtons;
+               });
     }
     template <class So>
     bool gives(const JointEfforts& efforts, So so) {

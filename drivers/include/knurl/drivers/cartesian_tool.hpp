@@ -29,7 +29,8 @@ class CartesianTool final : public Mechanism {
     static Eigen::Matrix3d left_jacobian(const Eigen::Vector3d& rotation) noexcept;
     /// The rotation vector of this orientation that is nearest to `last`: so that it does not leap by 2 pi where a
     /// hand turns past half a turn.
-    static Eigen::Vector3d rotation_near(const Eigen::Quaterniond& orientation, const Eigen::Vector3d& last) noexcept;
+    static Eigen::Vector3d rotation_near(const Eigen::Quaterniond& orientation,
+                                         const Eigen::Vector3d& last) noexcept;
 
   private:
     bool wrist_;

@@ -51,16 +51,54 @@ struct Description {
     std::array<char, 64> serial;
     /// LinkConfig::description.
     std::array<char, 512> text;
-    /// The rest of the LinkConfig, without its texts and vectors.
-    std::array<double, max_joints> radians_per_count, effort_limit, joint_least, joint_greatest;
-    /// Likewise.
+    /// LinkConfig::radians_per_count.
+    std::array<double, max_joints> radians_per_count;
+    /// LinkConfig::effort_limit.
+    std::array<double, max_joints> effort_limit;
+    /// LinkConfig::joint_least.
+    std::array<double, max_joints> joint_least;
+    /// LinkConfig::joint_greatest.
+    std::array<double, max_joints> joint_greatest;
+    /// LinkConfig::workspace_centre.
     std::array<double, 3> workspace_centre;
-    /// Likewise.
-    double workspace_radius, nominal_rate, peak_force, continuous_force, peak_torque, damping, rotational_damping, lag,
-        measured_max_stiffness, grip_damping, apparent_mass, watchdog_time;
-    /// Likewise; the flags are 0 or 1.
-    std::int32_t sensed_joints, actuated_joints, senses_orientation, renders_torque, has_watchdog, has_brake,
-        has_buttons;
+    /// LinkConfig::workspace_radius.
+    double workspace_radius;
+    /// LinkConfig::nominal_rate.
+    double nominal_rate;
+    /// LinkConfig::peak_force.
+    double peak_force;
+    /// LinkConfig::continuous_force.
+    double continuous_force;
+    /// LinkConfig::peak_torque.
+    double peak_torque;
+    /// LinkConfig::damping.
+    double damping;
+    /// LinkConfig::rotational_damping.
+    double rotational_damping;
+    /// LinkConfig::lag.
+    double lag;
+    /// LinkConfig::measured_max_stiffness.
+    double measured_max_stiffness;
+    /// LinkConfig::grip_damping.
+    double grip_damping;
+    /// LinkConfig::apparent_mass.
+    double apparent_mass;
+    /// LinkConfig::watchdog_time.
+    double watchdog_time;
+    /// LinkConfig::sensed_joints.
+    std::int32_t sensed_joints;
+    /// LinkConfig::actuated_joints.
+    std::int32_t actuated_joints;
+    /// LinkConfig::senses_orientation.
+    std::int32_t senses_orientation;
+    /// LinkConfig::renders_torque.
+    std::int32_t renders_torque;
+    /// LinkConfig::has_watchdog.
+    std::int32_t has_watchdog;
+    /// LinkConfig::has_brake.
+    std::int32_t has_brake;
+    /// Device::has_buttons.
+    std::int32_t has_buttons;
     /// The mechanism.
     ToolShape shape;
 };
@@ -140,7 +178,8 @@ struct Shared {
     /// One of them is in use.
     std::array<Lane, lanes> lane;
 };
-static_assert(std::atomic<std::uint32_t>::is_always_lock_free && std::atomic<std::uint64_t>::is_always_lock_free);
+static_assert(std::atomic<std::uint32_t>::is_always_lock_free &&
+              std::atomic<std::uint64_t>::is_always_lock_free);
 
 /// Says that there is something to look at. Never waits.
 void ring(Shared& shared) noexcept;
@@ -178,7 +217,8 @@ class Exchange {
     void wait(Nanoseconds until) noexcept;
 
   private:
-    static constexpr Nanoseconds spin = 60'000;  // before and after an order is due: a wake-up takes longer than this
+    static constexpr Nanoseconds spin =
+        60'000;  // before and after an order is due: a wake-up takes longer than this
     static constexpr Nanoseconds longest_period = 5'000'000;
 
     void note(const Order& next) noexcept;

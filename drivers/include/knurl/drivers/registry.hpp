@@ -53,7 +53,8 @@ struct Driver {
 /// All drivers of this build.
 std::vector<Driver>& drivers();
 
-/// Opens "scheme:what"; with check_only it may return null. The option "debounce=S" of the address is every
+/// Opens "scheme:what"; with check_only it may return null. The option "measured=FILE" of the address has mass, damping
+/// and lag of one's own device, as `knurl device calibrate` wrote them, in place of the driver's figures. The option "debounce=S" of the address is every
 /// device's: how long a button's contacts are ignored after an edge (debounce.hpp), 0 for the contacts as
 /// they are. Throws std::runtime_error that names the known schemes if there is no such scheme.
 std::unique_ptr<Device> open_device(std::string_view address, const OpenOptions& options = {});
