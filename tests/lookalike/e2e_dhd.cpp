@@ -118,6 +118,7 @@ TEST_F(Dhd, a_force_is_felt_while_it_is_set_and_lapses_when_it_is_not) {
     ASSERT_EQ(dhdSetForce(0.5, 0, 0, -1), 0);
     std::optional<std::int64_t> fell;
     double last = 0.5;
+    int between = 0;
     for (;;) {
         const auto report = right_->next_report(10s);
         ASSERT_TRUE(report);
@@ -125,8 +126,11 @@ TEST_F(Dhd, a_force_is_felt_while_it_is_set_and_lapses_when_it_is_not) {
         EXPECT_GT(report->sent_force.x, last - 0.5 * 0.06) << "of a fade over 50 cycles";
         last = report->sent_force.x;
         if (!fell && last < 0.5 - 1e-6) fell = report->read_ns;
+        between += last > 0 && last < 0.5 - 1e-6 ? 1 : 0;
         if (last == 0) break;
     }
+    EXPECT_GT(between, 40);
+    EXPECT_LT(between, 70) << "not the fade of a claim that has been silent for a quarter of a second";
     EXPECT_GE(*fell - set.time_since_epoch().count(), 100'000'000) << "it lasts 100 ms";
     EXPECT_TRUE(until(
         *right_, [](const HandReport& r) { return r.sent_force.x > 0.4; },
@@ -143,10 +147,22 @@ TEST_F(Dhd, a_shorter_watchdog_is_kept_to) {
     unsigned char set = 0;
     ASSERT_EQ(dhdGetWatchdog(&set, -1), 0);
     EXPECT_EQ(set, 80);
-    ASSERT_TRUE(until(
-        *right_, [](const HandReport& r) { return r.sent_force.x > 0.4; },
-        [] { dhdSetForce(0.5, 0, 0, -1); }));
-    EXPECT_TRUE(until(*right_, no_force, [] {}));
+    // On a machine with other work now and then one lasts longer; that of 100 ms never ends sooner.
+    const auto lapse = [&] {
+        EXPECT_TRUE(until(
+            *right_, [](const HandReport& r) { return r.sent_force.x > 0.4; },
+            [] { dhdSetForce(0.5, 0, 0, -1); }));
+        while (right_->next_report(0ns)) {
+        }
+        dhdSetForce(0.5, 0, 0, -1);
+        const auto begun = std::chrono::steady_clock::now().time_since_epoch().count();
+        for (;;) {
+            const auto report = right_->next_report(10s);
+            if (!report) return std::chrono::nanoseconds(10s);
+            if (report->sent_force.x < 0.39) return std::chrono::nanoseconds(report->read_ns - begun);
+        }
+    };
+    EXPECT_TRUE(eventually([&] { return lapse() < 90ms; }));
 }
 
 TEST_F(Dhd, two_devices_have_forces_of_their_own) {
@@ -204,6 +220,8 @@ TEST_F(Dhd, force_is_switched_off_and_on_and_limited) {
     EXPECT_EQ(status[15], 77) << "arrays of older programs end there";
     ASSERT_EQ(dhdStop(-1), 0);
     EXPECT_TRUE(until(*right_, no_force, push));
+    for (int i = 0; i < 100; ++i) push();
+    EXPECT_TRUE(no_force(*right_->newest(1s))) << "and stays off, though the program goes on";
     EXPECT_EQ(dhdGetStatus(status, -1), 0);
     EXPECT_EQ(status[5], 0);
     ASSERT_EQ(dhdEnableForce(1, -1), 0);

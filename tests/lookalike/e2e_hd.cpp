@@ -40,6 +40,7 @@ struct Program {
     std::array<double, 3> force{};
     std::atomic<int> turns{0};
     std::atomic<bool> done{false};
+    double lingers = 0;  // s, within a frame
     std::mutex mutex;
     std::array<double, 3> position{}, last_position{}, again{};
     std::array<double, 16> transform{};
@@ -54,6 +55,8 @@ HDCallbackCode frame(void* data) {
     hdGetDoublev(HD_LAST_POSITION, program.last_position.data());
     hdGetDoublev(HD_CURRENT_TRANSFORM, program.transform.data());
     hdSetDoublev(HD_CURRENT_FORCE, program.force.data());
+    while (hdGetSchedulerTimeStamp() < program.lingers) {
+    }
     hdGetDoublev(HD_CURRENT_POSITION, program.again.data());
     hdEndFrame(program.device);
     if (const HDErrorInfo error = hdGetError(); error.errorCode != HD_SUCCESS)
@@ -121,6 +124,7 @@ TEST_F(Hd, a_callback_is_run_in_each_cycle_and_its_force_is_felt) {
 TEST_F(Hd, a_frame_is_one_moment_in_millimetres_along_their_axes) {
     const Vec3 centre = right_->device().workspace_centre;
     Program program;
+    program.lingers = 3e-3;  // several reports come meanwhile
     program.device = hdInitDevice("right");
     hdEnable(HD_FORCE_OUTPUT);
     const Scheduled scheduled(frame, &program, 100);

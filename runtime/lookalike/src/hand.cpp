@@ -32,8 +32,10 @@ ConnectOptions options() {
 Hand::Hand(const Place& place)
     : client_(Client::connect(place.servo, options())),
       claim_(client_.claim(place.device, {.shared = true, .representations = 4})),
-      device_(claim_.device()) {
-    if (!claim_.newest(2s))
+      device_(claim_.device()),
+      reader_(client_.observe(place.device)),
+      pacer_(client_.observe(place.device)) {
+    if (!reader_.newest(2s))
         throw Error(Error::Kind::disconnected,
                     "device '" + place.device + "': no report within 2 s; see `knurl top`");
     keeper_ = std::thread([this] { keep(); });
@@ -48,16 +50,29 @@ Hand::~Hand() {
     keeper_.join();
 }
 
+std::optional<HandReport> Hand::newest() {
+    std::optional<HandReport> report;
+    {
+        const std::lock_guard lock(reading_);
+        report = reader_.latest();
+    }
+    if (!report) return report;
+    const Vec3& centre = device_.workspace_centre;
+    for (Vec3* place : {&report->position, &report->contact_point})
+        *place = {place->x - centre.x, place->y - centre.y, place->z - centre.z};
+    return report;
+}
+
 void Hand::pace() {
     const std::unique_lock lock(pacing_, std::try_to_lock);
     if (!lock) return;
     const auto period = std::chrono::nanoseconds(std::llround(1e9 / device_.rate));
     constexpr int most_cycles = 3;  // a servo that has stopped must not stop the program
-    std::optional<HandReport> report = claim_.latest();
+    std::optional<HandReport> report = pacer_.latest();
     if (!report)
         std::this_thread::sleep_for(period);  // without a servo a loop keeps about its pace
     else if (report->cycle <= paced_)
-        report = claim_.newest(most_cycles * period);
+        report = pacer_.newest(most_cycles * period);
     if (report) paced_ = report->cycle;
 }
 

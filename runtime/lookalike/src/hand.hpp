@@ -46,7 +46,7 @@ class Hand {
     const DeviceDescription& device() const { return device_; }
     Limits limits() const { return claim_.limits(); }
     /// The newest report. None: the servo is gone.
-    std::optional<HandReport> newest() { return claim_.latest(); }
+    std::optional<HandReport> newest();
     /// Waits for a report that is newer than that of the call before, for a few cycles at most. For one thread at a
     /// time; another one that calls meanwhile returns at once.
     void pace();
@@ -94,7 +94,11 @@ class Hand {
     Clock::time_point armed_at_{}, try_arm_{};
     bool ending_ = false;
 
+    // Readers of their own, each for one thread at a time: a program reads while another thread of it waits.
+    std::mutex reading_;
+    Observer reader_;
     std::mutex pacing_;
+    Observer pacer_;
     std::uint64_t paced_ = 0;  // cycle
 
     std::thread keeper_;  // begins last
