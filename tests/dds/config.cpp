@@ -61,6 +61,18 @@ representations = ["plane", "spring"]
     EXPECT_EQ(dds_topic(config.robot, "right/measured_cp"), "rt/fd/ee_pose");
 }
 
+TEST(DdsConfig, the_example_of_the_readme_is_one) {
+    std::ifstream file(KNURL_DDS_README);
+    std::stringstream text;
+    text << file.rdbuf();
+    const std::string fence = "```text\n", page = text.str();
+    const std::size_t begin = page.find(fence, page.find("## Configuration")) + fence.size();
+    const Config config = read(page.substr(begin, page.find("```", begin) - begin));
+    ASSERT_EQ(config.robot.commands.size(), 1u);
+    EXPECT_EQ(config.robot.commands[0].representations, (std::vector<std::string>{"plane", "spring"}));
+    EXPECT_EQ(config.bridge, "lab.example:4096");
+}
+
 TEST(DdsConfig, says_where_it_is_wrong_and_changes_nothing_then) {
     EXPECT_EQ(wrong("servo = 3"), "dds.toml:1:9: servo must be a string");
     EXPECT_EQ(wrong("domian = 3"), "dds.toml:1:1: unknown key \"domian\"; did you mean 'domain'?");
