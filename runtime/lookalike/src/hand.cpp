@@ -142,10 +142,15 @@ double Hand::rate() const {
 }
 
 void Hand::set(const ConstantForce& params, const Lock&) {
-    if (force_)
-        force_->set(params);
-    else
-        force_.emplace(claim_.add(params, {.feedback = 0}));
+    try {
+        if (force_) force_->set(params);
+    } catch (const Error& error) {
+        if (error.kind != Error::Kind::stale_handle) throw;
+        // An overloaded servo has refused or shed it: once more, and armed anew.
+        force_.reset();
+        armed_ = false;
+    }
+    if (!force_) force_.emplace(claim_.add(params, {.feedback = 0}));
     claim_.commit();
 }
 
