@@ -27,8 +27,10 @@ namespace knurl::drivers::process {
 inline constexpr Nanoseconds silence = 5'000'000;
 /// Lanes of a mapping: a process that is started uses the next one.
 inline constexpr unsigned lanes = 4;
-/// Descriptors that a knurl-device inherits: the mapping, and a pidfd of its servo.
-inline constexpr int mapping_fd = 3, servo_fd = 4;
+/// Descriptor that a knurl-device inherits: the mapping.
+inline constexpr int mapping_fd = 3;
+/// Descriptor that a knurl-device inherits: a pidfd of its servo.
+inline constexpr int servo_fd = 4;
 /// Orders whose time under way is kept.
 inline constexpr std::size_t kept_hops = 1024;
 
