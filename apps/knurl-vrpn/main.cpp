@@ -130,10 +130,11 @@ int main(int argc, char** argv) {
                "user, y right, z up")
         .one_of({"phantom", "knurl"})
         .shows_default();
-    app.option("--recovery", said.recovery,
-               "How a plane that changes reaches the hand within a client's recovery time. last-depth: it starts "
-               "with the last depth, as VRPN's own; fade: its force is cross-faded; paper: it is lowered to the "
-               "hand, then raised")
+    app.option(
+           "--recovery", said.recovery,
+           "How a plane that changes reaches the hand within a client's recovery time. last-depth: it starts "
+           "with the last depth, as VRPN's own; fade: its force is cross-faded; paper: it is lowered to the "
+           "hand, then raised")
         .one_of({"last-depth", "fade", "paper"})
         .shows_default();
     app.option("--rate", said.rate, "Most reports a second to a client (Hz); 0: each report of the servo")

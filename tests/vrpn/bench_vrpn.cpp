@@ -46,9 +46,9 @@ std::int64_t stamp_ns(const Header& header) {
 class Served {
   public:
     Served()
-        : server_({.port = 0,
-                   .force_peers = {host_range("localhost")},
-                   .log = [](const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); }}) {
+        : server_({.port = 0, .force_peers = {host_range("localhost")}, .log = [](const std::string& line) {
+                       std::fprintf(stderr, "%s\n", line.c_str());
+                   }}) {
         server_.on_tick([this] {
             if (stop_) server_.stop();
         });
@@ -246,12 +246,14 @@ int run(const Options& options) {
                    measure::summarise_blocks("a client's plane to the force's write", "us", planes)};
     measure::relate(run.results[1], run.results[0]);
     if (options.port != 0) {
-        run.results.push_back(measure::summarise_blocks("another VRPN server's stamp to a client", "us", beside));
+        run.results.push_back(
+            measure::summarise_blocks("another VRPN server's stamp to a client", "us", beside));
         measure::relate(run.results.back(), run.results[2]);
     }
     measure::print(std::cout, run);
     const double ratio = run.results[1].ratio.value_or(0);
-    std::printf("a report at most %g x wake-up and datagram: %s\n", goal_ratio, ratio <= goal_ratio ? "kept" : "not kept");
+    std::printf("a report at most %g x wake-up and datagram: %s\n", goal_ratio,
+                ratio <= goal_ratio ? "kept" : "not kept");
     if (run.results[3].p99 && run.results[2].p99) {
         const double most = 1000 + *run.results[2].p99;
         std::printf("a plane at 99 %% within a cycle and one way, %.0f us: %s\n", most,
@@ -276,7 +278,9 @@ int main(int argc, char** argv) {
             options.sender = value.substr(0, at);
             options.port = static_cast<std::uint16_t>(std::atoi(value.c_str() + at + 1));
         } else {
-            std::fprintf(stderr, "knurl_bench_vrpn: '%s': use [--blocks N] [--json FILE] [--beside SENDER@PORT]\n", argv[i]);
+            std::fprintf(stderr,
+                         "knurl_bench_vrpn: '%s': use [--blocks N] [--json FILE] [--beside SENDER@PORT]\n",
+                         argv[i]);
             return 2;
         }
     }

@@ -109,7 +109,8 @@ class WireClient {
             Message message;
             std::optional<Header> last;
             while (split(rest, message) == Split::whole)
-                if (const auto found = types_.find(message.header.type); found != types_.end() && found->second == type)
+                if (const auto found = types_.find(message.header.type);
+                    found != types_.end() && found->second == type)
                     last = message.header;
             if (last) return last;
         }
@@ -123,7 +124,8 @@ class WireClient {
     }
 
   private:
-    static void describe(std::vector<std::byte>& bytes, std::int32_t system, std::int32_t id, std::string_view name) {
+    static void describe(std::vector<std::byte>& bytes, std::int32_t system, std::int32_t id,
+                         std::string_view name) {
         PayloadWriter payload;
         put_name(payload, name);
         append(bytes, {.sender = id, .type = system}, payload.bytes());
@@ -142,7 +144,8 @@ class WireClient {
             if (got <= 0) throw std::runtime_error("the VRPN server does not answer");
             stream.insert(stream.end(), some.begin(), some.begin() + got);
             if (stream.size() < greeted) continue;
-            stream.erase(stream.begin(), stream.begin() + static_cast<std::ptrdiff_t>(std::exchange(greeted, 0)));
+            stream.erase(stream.begin(),
+                         stream.begin() + static_cast<std::ptrdiff_t>(std::exchange(greeted, 0)));
             std::span<const std::byte> rest(stream);
             Message message;
             while (split(rest, message) == Split::whole)
@@ -151,9 +154,11 @@ class WireClient {
         }
     }
     bool take(const Message& message) {
-        if (message.header.type == system_type::udp) server_udp_ = static_cast<std::uint16_t>(message.header.sender);
+        if (message.header.type == system_type::udp)
+            server_udp_ = static_cast<std::uint16_t>(message.header.sender);
         if (message.header.type == system_type::type)
-            if (const auto type = type_of(described_name(message.payload).value_or(""))) types_[message.header.sender] = *type;
+            if (const auto type = type_of(described_name(message.payload).value_or("")))
+                types_[message.header.sender] = *type;
         const auto found = types_.find(message.header.type);
         return found != types_.end() && found->second == Type::pong;
     }
