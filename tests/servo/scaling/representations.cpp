@@ -2,6 +2,8 @@
 
 #include <stdexcept>
 
+#include <benchmark/benchmark.h>
+
 #include <knurl/reps/plane.hpp>
 #include <knurl/reps/sphere.hpp>
 #include <knurl/reps/spring.hpp>
