@@ -26,6 +26,7 @@
 #include <knurl/shm/socket.hpp>
 #include <knurl/view/servo_view.hpp>
 
+#include "record_rooms.hpp"
 #include "verbs.hpp"
 
 namespace knurl::cli {
@@ -40,6 +41,7 @@ struct RecordArguments {
     std::string servo = "default", device, file, salvage;
     double seconds = 0;  // 0: until interrupted
     bool force = false;
+    std::vector<std::string> rooms;
 };
 
 constexpr auto servo_answers_within = std::chrono::seconds(2);
@@ -340,6 +342,12 @@ int record(const RecordArguments& arguments) {
     }
     using Clock = std::chrono::steady_clock;
     const shm::UniqueFd signals = take_signals();
+    if (!arguments.rooms.empty())
+        return record_rooms({.rooms = arguments.rooms,
+                             .file = arguments.file,
+                             .seconds = arguments.seconds,
+                             .existing = existing},
+                            signals.get());
     const protocol::ServoAddress servo = servo_said(arguments.servo);
     Source source(servo, arguments.device);
     const RecordingInfo info = source.info();
@@ -398,6 +406,11 @@ void add_record(commandline::Command& program) {
     verb.option("--for", arguments->seconds, "end after this time; default: when interrupted")
         .type_name("SECONDS")
         .positive();
+    verb.option(
+            "--room", arguments->rooms,
+            "in place of --servo: devices of several servos, on this host and others, into one file with one "
+            "time base; may be repeated. Reports alone, which do not replay")
+        .type_name("NAME=ADDRESS[,DEVICE]");
     verb.flag("--force", arguments->force, "replace a file that is there");
     verb.option("--salvage", arguments->salvage,
                 "no servo: what the guardian saved when one died (its file, or the directory: the newest)")

@@ -27,17 +27,10 @@ constexpr const char* meshes_topic = "/knurl/mesh";
 constexpr const char* metadata_name = "knurl";
 constexpr const char* missing_name = "knurl missing";
 constexpr std::size_t longest_word = 256;  // bytes of what the metadata says
-// Pose, wrench, twist, joints, buttons and transform are in each report already. They are there for 3D views and
-// plots by topic, which draw 60 times a second: at each cycle they would take more room than the reports do.
-constexpr std::int64_t view_every = 10'000'000;  // ns
 constexpr const char* asset_media_type = "application/x-knurl-asset";
 
 std::string asset_name(const protocol::AssetDigest& digest) {
     return fmt::format("asset-{:02x}", fmt::join(digest, ""));
-}
-
-McapSchema mcap_schema(const messages::Schema& schema) {
-    return {schema.name, schema.encoding, schema.text};
 }
 
 /// All options: one that is missing here would be missing in a replay.
@@ -145,12 +138,6 @@ RecordingInfo info_of(const McapMetadata& all, const std::string& path) {
 // A report lies in its message as it lies in memory.
 constexpr std::size_t report_at = std::size(messages::CdrWriter::encapsulation);
 
-/// What a recording has of the channels that Foxglove is sent live.
-bool recorded(messages::Channel channel) {
-    using messages::Channel;
-    return channel != Channel::parameters && channel != Channel::diagnostics;
-}
-
 /// The header of a message of inputs.
 struct InputHead {
     std::uint16_t type = 0;  // servo::InputType; 0: a gap
@@ -163,14 +150,7 @@ static_assert(sizeof(InputHead) == 8);
 RecordingWriter::RecordingWriter(const std::string& path, const RecordingInfo& info, Existing existing)
     : file_(path, "Knurl " + info.version, existing),
       offset_(info.realtime_offset_ns),
-      device_(info.device),
-      joints_(info.joints) {
-    for (const messages::ChannelInfo& channel : messages::channels()) {
-        if (!recorded(channel.channel)) continue;
-        const McapSchema schema = mcap_schema(channel.schema());
-        channels_[channel.channel] = file_.add_channel(messages::topic(channel.channel, device_),
-                                                       std::string(channel.encoding), &schema);
-    }
+      channels_(file_, info.device, info.joints) {
     inputs_ = file_.add_channel(inputs_topic, "knurl", nullptr);
     page_ = file_.add_channel(page_topic, "json", nullptr);
     meshes_ = file_.add_channel(meshes_topic, "knurl", nullptr);
@@ -178,26 +158,13 @@ RecordingWriter::RecordingWriter(const std::string& path, const RecordingInfo& i
 }
 
 void RecordingWriter::report(const Report& report) {
-    const std::int64_t time = report.read_ns + offset_;
-    const auto write = [&](messages::Channel channel, const messages::Bytes& message) {
-        file_.message(channels_.at(channel), time, message, {});
-    };
-    using messages::Channel;
-    write(Channel::report, messages::report_message(report));
-    if (const std::int64_t view = time / view_every; std::exchange(view_, view) == view) return;
-    write(Channel::measured_cp, messages::pose_message(device_, time, report));
-    write(Channel::measured_cf, messages::wrench_message(device_, time, report));
-    write(Channel::measured_cv, messages::twist_message(device_, time, report));
-    if (joints_ > 0) write(Channel::measured_js, messages::joints_message(device_, time, report, joints_));
-    write(Channel::joy, messages::joy_message(device_, time, report));
-    const messages::HandTransform hand{.device = device_, .stamp_ns = time, .report = &report};
-    write(Channel::tf, messages::transforms_message(std::span(&hand, 1)));
+    channels_.write(report, report.read_ns + offset_);
 }
 
 void RecordingWriter::scene(Scene form, std::int64_t read_ns, std::span<const std::byte> message) {
     const std::uint16_t channel = form == Scene::page   ? page_
                                   : form == Scene::mesh ? meshes_
-                                                        : channels_.at(messages::Channel::scene);
+                                                        : channels_.number(messages::Channel::scene);
     file_.message(channel, read_ns + offset_, message, {});
 }
 

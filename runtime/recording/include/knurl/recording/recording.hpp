@@ -19,16 +19,15 @@
 
 #include <cstdint>
 #include <functional>
-#include <map>
 #include <set>
 #include <span>
 #include <string>
 #include <vector>
 
-#include <knurl/messages/channels.hpp>
 #include <knurl/protocol/asset.hpp>
 #include <knurl/protocol/report.hpp>
 #include <knurl/recording/mcap.hpp>
+#include <knurl/recording/report_channels.hpp>
 #include <knurl/servo/input_log.hpp>
 #include <knurl/servo/servo.hpp>
 
@@ -77,11 +76,8 @@ class RecordingWriter {
   private:
     McapWriter file_;
     std::int64_t offset_, last_ = 0;  // ns
-    std::string device_;
-    std::uint32_t joints_;
-    std::map<messages::Channel, std::uint16_t> channels_;
+    ReportChannels channels_;
     std::uint16_t inputs_ = 0, page_ = 0, meshes_ = 0;
-    std::int64_t view_ = -1;  // when the last pose was written, in its intervals
     std::uint64_t dropped_ = 0;
     std::set<protocol::AssetDigest> assets_, missing_;
 };
