@@ -258,6 +258,9 @@ class DhdDevice final : public Backend {
 
     // x y z, [gripper of a passive wrist], [wrist], [gripper of an active wrist]: driven joints come first.
     int gripper_joint() const { return gripper_ ? (wrist_ && torque_ ? 6 : 3) : -1; }
+    std::string name_and_source(const DhdModel& model, bool known) const;
+    double effort_limit(const DhdModel& model, int joint) const;
+    int driven_joints(int joints) const;
     int wrist_joint() const { return gripper_joint() == 3 ? 4 : 3; }
 
     const Arguments& arguments_;
@@ -273,35 +276,52 @@ class DhdDevice final : public Backend {
     Eigen::Vector3d turn_ = Eigen::Vector3d::Zero();
 };
 
+std::string DhdDevice::name_and_source(const DhdModel& model, bool known) const {
+    const char* name = dhd_.name(id_);
+    return std::string(!known && name != nullptr ? name : model.name) + " by the SDK " + version_ + "; " +
+           model.source + "; damping, lag and mass not known: a low and a high estimate";
+}
+
+/// "omega.7 (right)": omega7.
+std::string short_name(const DhdModel& model) {
+    std::string name;
+    for (const char* c = model.name; *c != '\0' && *c != ' '; ++c)
+        if (std::isalnum(static_cast<unsigned char>(*c)) != 0) name += *c;
+    return name;
+}
+
+double DhdDevice::effort_limit(const DhdModel& model, int joint) const {
+    if (joint < 3) return model.force;
+    const bool gripper = joint == gripper_joint();
+    const double limit = gripper ? model.grip_force : model.torque;
+    return limit > 0 ? limit : gripper ? 1 : 0.05;
+}
+
+int DhdDevice::driven_joints(int joints) const {
+    if (torque_) return joints - (gripper_ && !grip_force_ ? 1 : 0);
+    return grip_force_ ? 4 : 3;
+}
+
 drivers::process::Description DhdDevice::description() const {
     unsigned short serial = 0;
     const bool has_serial = dhd_.serial(&serial, id_) >= 0 && serial != 0;
-    const int type = dhd_.type(id_);
     static constexpr DhdModel unknown{0, "",   4, 0,
                                       0, 0.03, 0, "not known to Knurl: 4 N and a ball of 30 mm assumed"};
-    const DhdModel* found = dhd_model(type);
+    const DhdModel* found = dhd_model(dhd_.type(id_));
     const DhdModel& model = found == nullptr ? unknown : *found;
 
     drivers::LinkConfig link;
-    link.name = found == nullptr ? "dhd" : "";
-    for (const char* c = model.name; *c != '\0' && *c != ' '; ++c)  // "omega.7 (right)": omega7
-        if (std::isalnum(static_cast<unsigned char>(*c)) != 0) link.name += *c;
+    link.name = found == nullptr ? "dhd" : short_name(model);
     link.serial = has_serial ? std::to_string(serial) : "";
-    const char* name = dhd_.name(id_);
-    link.description = std::string(found == nullptr && name != nullptr ? name : model.name) + " by the SDK " +
-                       version_ + "; " + model.source +
-                       "; damping, lag and mass not known: a low and a high estimate";
+    link.description = name_and_source(model, found != nullptr);
     const int joints = 3 + (wrist_ ? 3 : 0) + (gripper_ ? 1 : 0);
     link.sensed_joints = joints;
-    link.actuated_joints = torque_ ? joints - (gripper_ && !grip_force_ ? 1 : 0) : grip_force_ ? 4 : 3;
+    link.actuated_joints = driven_joints(joints);
     link.senses_orientation = wrist_;
     link.renders_torque = torque_;
     link.radians_per_count.assign(static_cast<std::size_t>(joints), 0);
     for (std::size_t i = 0; i < 3; ++i) link.radians_per_count[i] = model.resolution;
-    for (int i = 0; i < link.actuated_joints; ++i) {
-        const double limit = i < 3 ? model.force : i == gripper_joint() ? model.grip_force : model.torque;
-        link.effort_limit.push_back(limit > 0 ? limit : i == gripper_joint() ? 1 : 0.05);
-    }
+    for (int i = 0; i < link.actuated_joints; ++i) link.effort_limit.push_back(effort_limit(model, i));
     link.workspace_radius = model.radius;
     link.peak_force = link.continuous_force = model.force;
     link.peak_torque = torque_ ? model.torque : 0;

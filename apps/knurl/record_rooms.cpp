@@ -29,8 +29,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int drain_every = 10;                            // ms; the rings hold seconds
-constexpr auto compare_every = std::chrono::seconds(1);   // clocks
+constexpr int drain_every = 10;                          // ms; the rings hold seconds
+constexpr auto compare_every = std::chrono::seconds(1);  // clocks
 constexpr const char* clocks_topic = "/knurl/clocks";
 constexpr std::size_t most_rooms = 64;
 
@@ -160,12 +160,12 @@ class Rooms {
         // All of them are reached before there is a file.
         for (const Said& one : said) rooms_.push_back(std::make_unique<Room>(one));
         file_.emplace(arguments.file, std::string("Knurl ") + KNURL_VERSION, arguments.existing);
-        for (const auto& room : rooms_) room->open(*file_, room == rooms_.front() ? nullptr : &*rooms_.front());
+        for (const auto& room : rooms_)
+            room->open(*file_, room == rooms_.front() ? nullptr : &*rooms_.front());
         clocks_ = file_->add_channel(clocks_topic, "json", nullptr);
-        file_->add_metadata("knurl rooms",
-                            {{"version", KNURL_VERSION},
-                             {"rooms", fmt::format("{}", rooms_.size())},
-                             {"time_base", "CLOCK_REALTIME of the host that recorded"}});
+        file_->add_metadata("knurl rooms", {{"version", KNURL_VERSION},
+                                            {"rooms", fmt::format("{}", rooms_.size())},
+                                            {"time_base", "CLOCK_REALTIME of the host that recorded"}});
         compare();
     }
 
@@ -182,8 +182,7 @@ class Rooms {
         for (const auto& room : rooms_) {
             room->compare();
             const std::string message = room->clock_message();
-            file_->message(clocks_, ns_of<Clock>() + realtime_offset_,
-                           std::as_bytes(std::span(message)), {});
+            file_->message(clocks_, ns_of<Clock>() + realtime_offset_, std::as_bytes(std::span(message)), {});
         }
     }
     bool flush() { return file_->flush(); }
@@ -224,7 +223,8 @@ int record_rooms(const RoomsArguments& arguments, int signals) {
     const auto begin = Clock::now();
     auto compared = begin;
     const auto over = [&](Clock::time_point now) {
-        return arguments.seconds > 0 && std::chrono::duration<double>(now - begin).count() >= arguments.seconds;
+        return arguments.seconds > 0 &&
+               std::chrono::duration<double>(now - begin).count() >= arguments.seconds;
     };
     bool whole = true;
     pollfd wait{.fd = signals, .events = POLLIN, .revents = 0};
@@ -236,7 +236,8 @@ int record_rooms(const RoomsArguments& arguments, int signals) {
             fmt::print(stderr, "knurl record: {}\n", line);
         }
         progress.show(fmt::format(
-            "{}, {}", measure::seconds_of(std::chrono::duration<double>(now - begin).count(), arguments.seconds),
+            "{}, {}",
+            measure::seconds_of(std::chrono::duration<double>(now - begin).count(), arguments.seconds),
             rooms.so_far()));
         if (now - compared < compare_every) continue;
         compared = now;
@@ -246,8 +247,7 @@ int record_rooms(const RoomsArguments& arguments, int signals) {
     whole = whole && rooms.finish();
     progress.clear();
     fmt::print("{}: {}{}\n", arguments.file, rooms.so_far(), rooms.summary());
-    if (!whole)
-        fmt::print(stderr, "knurl record: {}; what is in the file can be read\n", rooms.problem());
+    if (!whole) fmt::print(stderr, "knurl record: {}; what is in the file can be read\n", rooms.problem());
     return whole ? 0 : 1;
 }
 

@@ -22,8 +22,8 @@ using testing::HasSubstr;
 
 struct Seen {
     std::size_t reports = 0;
-    std::int64_t first = 0, last = 0;          // ns of the file's clock
-    std::optional<std::int64_t> offset;        // of the file's clock against the servo's, in each message the same
+    std::int64_t first = 0, last = 0;    // ns of the file's clock
+    std::optional<std::int64_t> offset;  // of the file's clock against the servo's, in each message the same
 };
 
 TEST(RecordRooms, DevicesOfSeveralServosAreInOneFileOnOneTimeBase) {
@@ -31,8 +31,8 @@ TEST(RecordRooms, DevicesOfSeveralServosAreInOneFileOnOneTimeBase) {
     const Servo attic({"--name", "attic", "--device", "right=sim:premium15"});
     const Servo cellar({"--name", "cellar", "--device", "a=sim:cartesian3", "--device", "b=sim:premium15"});
     const std::string path = home.path("rooms.mcap");
-    const Outcome outcome = knurl(
-        {"record", "--room", "up=knurl:attic", "--room", "down=knurl:cellar,b", "--for", "1", path});
+    const Outcome outcome =
+        knurl({"record", "--room", "up=knurl:attic", "--room", "down=knurl:cellar,b", "--for", "1", path});
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_THAT(outcome.out, HasSubstr("up: "));
     EXPECT_THAT(outcome.out, HasSubstr("clock within"));
@@ -46,8 +46,8 @@ TEST(RecordRooms, DevicesOfSeveralServosAreInOneFileOnOneTimeBase) {
     constexpr std::size_t report_at = std::size(messages::CdrWriter::encapsulation);
     for (recording::McapReader::Message message; file.next(message);) {
         if (message.channel == clocks) {
-            const Json said = Json::parse(std::string_view(reinterpret_cast<const char*>(message.data.data()),
-                                                           message.data.size()));
+            const Json said = Json::parse(
+                std::string_view(reinterpret_cast<const char*>(message.data.data()), message.data.size()));
             EXPECT_EQ(said.at("clock_offset_ns").get<std::int64_t>(), 0) << "of servos on this host";
             ++comparisons;
         }

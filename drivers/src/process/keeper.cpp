@@ -242,40 +242,52 @@ void Keeper::live() noexcept {
 }
 
 void Keeper::once() {
-    std::uint64_t beat = 0;
-    int lives = 0;                         // looks at which this process lived
-    for (int still = 0, pause_ms = 0;;) {  // the first at once: its device may hold the last force
+    Looks looks;
+    for (;;) {
         std::array<pollfd, 2> waits{pollfd{.fd = child_.number, .events = POLLIN, .revents = 0},
                                     pollfd{.fd = stop_.number, .events = POLLIN, .revents = 0}};
         poll(waits.data(), waits.size(), look_ms);
         if (waits[1].revents != 0) return;
-        Lane& now = lane(session());
         if (waits[0].revents == 0) {
-            // Only looks count: while the whole machine stands still, nobody looks.
-            const std::uint64_t last = std::exchange(beat, now.beat.load(std::memory_order_relaxed));
-            still = beat == last ? still + 1 : 0;
-            if (still == 0 && session() % 2 == 1 && ++lives > calm_looks) pause_ms = 0;
-            if (still < plan_.hang_ms / look_ms || hung_) continue;
-            hung_ = true;
-            session_.store(session() + 1, std::memory_order_release);
-            kill(pid(), SIGKILL);  // its end comes when the kernel lets go of the call that hangs
+            look(looks);
             continue;
         }
-        std::string why = hung_ ? "a call of the maker's library did not return" : "";
-        const std::string end = ended(), said = message_of(now.message);
-        if (why.empty()) why = said.empty() ? "knurl-device was " + end : said;
-        if (session() % 2 == 1) session_.store(session() + 1, std::memory_order_release);
-        std::fprintf(stderr, "knurld: %s:%s: %s; it is looked for again\n", plan_.scheme.c_str(),
-                     plan_.what.c_str(), why.c_str());
-        for (bool ready = false; !ready;) {
-            if (pause(pause_ms)) return;
-            pause_ms = std::clamp(2 * pause_ms, first_pause_ms, longest_pause_ms);
-            const std::uint64_t next = session() + 1;
-            start(lane(next), static_cast<unsigned>((next / 2) % lanes));
-            ready = wait_until_ready(lane(next)).empty();
-            if (ready) session_.store(next, std::memory_order_release);
-        }
-        still = lives = 0;
+        say_why_it_ended();
+        if (!start_again(looks.pause_ms)) return;
+        looks.still = looks.lives = 0;
+    }
+}
+
+/// Only looks count: while the whole machine stands still, nobody looks.
+void Keeper::look(Looks& looks) {
+    const std::uint64_t beat = lane(session()).beat.load(std::memory_order_relaxed);
+    looks.still = std::exchange(looks.beat, beat) == beat ? looks.still + 1 : 0;
+    if (looks.still == 0 && session() % 2 == 1 && ++looks.lives > calm_looks) looks.pause_ms = 0;
+    if (looks.still < plan_.hang_ms / look_ms || hung_) return;
+    hung_ = true;
+    session_.store(session() + 1, std::memory_order_release);
+    kill(pid(), SIGKILL);  // its end comes when the kernel lets go of the call that hangs
+}
+
+void Keeper::say_why_it_ended() {
+    std::string why = hung_ ? "a call of the maker's library did not return" : "";
+    const std::string end = ended(), said = message_of(lane(session()).message);
+    if (why.empty()) why = said.empty() ? "knurl-device was " + end : said;
+    if (session() % 2 == 1) session_.store(session() + 1, std::memory_order_release);
+    std::fprintf(stderr, "knurld: %s:%s: %s; it is looked for again\n", plan_.scheme.c_str(),
+                 plan_.what.c_str(), why.c_str());
+}
+
+/// False: it is to stop.
+bool Keeper::start_again(int& pause_ms) {
+    for (;;) {
+        if (pause(pause_ms)) return false;
+        pause_ms = std::clamp(2 * pause_ms, first_pause_ms, longest_pause_ms);
+        const std::uint64_t next = session() + 1;
+        start(lane(next), static_cast<unsigned>((next / 2) % lanes));
+        if (!wait_until_ready(lane(next)).empty()) continue;
+        session_.store(next, std::memory_order_release);
+        return true;
     }
 }
 

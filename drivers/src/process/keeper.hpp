@@ -64,7 +64,17 @@ class Keeper {
     std::string wait_until_ready(Lane& lane);
     std::string ended();
     void live() noexcept;
+    /// What was seen of this process.
+    struct Looks {
+        std::uint64_t beat = 0;
+        int still = 0;     // looks without a beat
+        int lives = 0;     // looks at which it lived
+        int pause_ms = 0;  // before the next start; the first is at once: its device may hold the last force
+    };
     void once();
+    void look(Looks& looks);
+    void say_why_it_ended();
+    bool start_again(int& pause_ms);
     bool pause(int ms) noexcept;
     void end() noexcept;
 

@@ -150,7 +150,8 @@ std::vector<FoundLibrary> find_library(const VendorLibrary& library) {
         if (std::ranges::find(found, path, &FoundLibrary::path) == found.end())
             found.push_back({path, why_not_loadable(path)});
     }
-    std::ranges::stable_partition(found, [](const FoundLibrary& one) { return one.problem.empty(); });
+    std::stable_partition(found.begin(), found.end(),
+                          [](const FoundLibrary& one) { return one.problem.empty(); });
     return found;
 }
 

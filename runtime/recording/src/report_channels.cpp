@@ -32,8 +32,8 @@ ReportChannels::ReportChannels(McapWriter& file, const std::string& device, std:
         }
         const messages::Schema& schema = channel.schema();
         const McapSchema as_mcap{schema.name, schema.encoding, schema.text};
-        channels_[channel.channel] =
-            file_.add_channel(messages::topic(channel.channel, device), std::string(channel.encoding), &as_mcap);
+        channels_[channel.channel] = file_.add_channel(messages::topic(channel.channel, device),
+                                                       std::string(channel.encoding), &as_mcap);
     }
 }
 
