@@ -50,7 +50,7 @@ if(NOT depends MATCHES "knurl-server \\(= ")
     message(FATAL_ERROR "knurl-tools takes any server: ${depends}")
 endif()
 
-holds(knurl-lookalikes lib/([^/]+/)?knurl/as-dhd/libdhd.so.3 lib/([^/]+/)?knurl/as-hd/libHD.so)
+holds(knurl-lookalikes "lib/([^/]+/)?knurl/as-dhd/libdhd.so.3" "lib/([^/]+/)?knurl/as-hd/libHD.so")
 if(NOT depends MATCHES "knurl-tools \\(= ")
     message(FATAL_ERROR "knurl-lookalikes takes any knurl: ${depends}")
 endif()

@@ -14,7 +14,7 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-READS = re.compile(r'\b(?:getenv|environment)\("([A-Z][A-Z_]+)"\)')
+READS = re.compile(r'(?:\b(?:getenv|environment|variable)\(|\.variable = )"([A-Z][A-Z_]+)"')
 
 
 def differences(printed, committed):
