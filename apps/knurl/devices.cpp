@@ -219,9 +219,9 @@ int list(bool as_json) {
     json loaded = json::array();
     for (const Tried& tried : makers)
         loaded.push_back({{"driver", tried.scheme},
-                          {"product", tried.product},
+                          {"sdk", tried.product},
                           {"path", or_null(tried.path)},
-                          {"version", or_null(tried.version)},
+                          {"sdk_version", or_null(tried.version)},
                           {"devices", tried.devices < 0 ? json() : json(tried.devices)},
                           {"problem", or_null(tried.problem)},
                           {"mend", or_null(tried.mend)}});

@@ -138,8 +138,8 @@ TEST(Devices, AMakersLibraryIsTriedAndSaysWhatItSeesOrWhatIsMissing) {
     unsetenv("KNURL_LIBHD");
     ASSERT_EQ(list.size(), 2u);
     EXPECT_THAT(list[0].at("problem").get<std::string>(), HasSubstr("has no function dhdGetPosition"));
-    EXPECT_TRUE(list[0].at("version").is_null());
-    EXPECT_EQ(list[1].at("version"), "3.40");
+    EXPECT_TRUE(list[0].at("sdk_version").is_null());
+    EXPECT_EQ(list[1].at("sdk_version"), "3.40");
     EXPECT_TRUE(list[1].at("devices").is_null()) << "it tells none before one is opened";
     EXPECT_TRUE(list[1].at("problem").is_null());
 }
