@@ -255,8 +255,10 @@ TEST(MemoryBudget, AClaimIsChargedWhatItTakesAndLeavesAlmostNothing) {
     bool first = true;
     for (const std::uint32_t representations : {1024u, 128u, 1u}) {
         SCOPED_TRACE(representations);
-        long left = 0;  // KiB, by the first round of this capacity: small blocks stay with malloc
-        for (int round = 0; round < 3; ++round) {
+        // What the first round of this capacity has left: small blocks stay with malloc, which keeps a few hundred KiB
+        // more at one time than at another. What 176 claims leave may not exceed that: 3 KiB each.
+        long first_left = 0, left = 0;  // KiB
+        for (int round = 0; round < 12; ++round) {
             SCOPED_TRACE(round);
             const long before = resident_kib(knurld.pid());
             protocol::ClaimRequest request{.shared = 1};
@@ -279,9 +281,10 @@ TEST(MemoryBudget, AClaimIsChargedWhatItTakesAndLeavesAlmostNothing) {
             const DeviceView view(welcome.fds.at(0).get());
             ASSERT_TRUE(eventually([&] { return view.held_rows() == 0; }));
             // A row is free a moment before its memory.
-            const long most = round == 0 ? before + taken / 2 : left + 64;
+            const long most = round == 0 ? before + taken / 2 : first_left + 512;
             EXPECT_TRUE(eventually([&] { return (left = resident_kib(knurld.pid())) <= most; }))
                 << left << " KiB, allowed: " << most;
+            if (round == 0) first_left = left;
         }
     }
 }
