@@ -341,7 +341,7 @@ export class Mock {
         if (/[/\\]/.test(message.file)) throw new Error(`file = "${message.file}": a name, no path`);
         return { path: (device.recording = `recordings/${message.file}`) };
       case "clock":
-        return { t: performance.now() / 1000 };
+        return { t: this.time + (performance.now() - this.last) / 1000 };
       case "stop":
         device.recording = null;
         return { path: "recordings/knurl.mcap" };
