@@ -284,7 +284,7 @@ export class Mock {
 
   answer(socket, message) {
     const { op } = message;
-    const needs = { add: 1, set: 1, remove: 1, clear: 1, arm: 2, disarm: 2, reset: 2, pull: 2, record: 2, stop: 2, doctor: message.run ? 2 : 0 }[op];
+    const needs = { add: 1, set: 1, remove: 1, clear: 1, arm: 2, disarm: 2, reset: 2, pull: 2, record: 2, stop: 2, clock: 0, doctor: message.run ? 2 : 0 }[op];
     if (needs === undefined) throw new Error(`op "${op}" is not known`);
     const have = { observe: 0, render: 1, control: 2 }[this.options.role];
     if (have < needs) throw new Error(`${op} needs the role ${needs === 2 ? "control" : "render"}; this page has ${this.options.role}`);
