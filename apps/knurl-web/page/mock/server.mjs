@@ -288,6 +288,7 @@ export class Mock {
     if (needs === undefined) throw new Error(`op "${op}" is not known`);
     const have = { observe: 0, render: 1, control: 2 }[this.options.role];
     if (have < needs) throw new Error(`${op} needs the role ${needs === 2 ? "control" : "render"}; this page has ${this.options.role}`);
+    if (op === "clock") return { t: this.time + (performance.now() - this.last) / 1000 };
     if (op === "doctor")
       return {
         machine: { processor: "mock", cpus: 2, kernel: "6.1", load: "none", idle: "sleep", date: "2026-11-28" },
@@ -340,8 +341,6 @@ export class Mock {
       case "record":
         if (/[/\\]/.test(message.file)) throw new Error(`file = "${message.file}": a name, no path`);
         return { path: (device.recording = `recordings/${message.file}`) };
-      case "clock":
-        return { t: this.time + (performance.now() - this.last) / 1000 };
       case "stop":
         device.recording = null;
         return { path: "recordings/knurl.mcap" };
