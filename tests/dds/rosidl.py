@@ -8,6 +8,7 @@ Debian's .msg files are of ROS 1; where ROS 2 changed a definition they are chan
 lost `seq`, `time` is builtin_interfaces/Time, `Header` is std_msgs/Header. Ends with 77 where the adapter is not installed.
 """
 
+import importlib
 import re
 import sys
 import tempfile
@@ -74,7 +75,7 @@ def adapted(package, source, folder):
 def main():
     idl, made = map(Path, sys.argv[1:])
     try:
-        import rosidl_adapter.msg  # noqa: F401
+        importlib.import_module("rosidl_adapter.msg")
     except ImportError:
         print("rosidl: skipped: python3-rosidl and python3-empy are not installed")
         sys.exit(SKIPPED)
