@@ -157,7 +157,14 @@ TEST_P(Wall, GoesOnWhenTheDriverProcessIsKilled) {
 TEST_P(Wall, FaultsWhenACallHangsOrCrashesAndCanBeArmedAgain) {
     for (const Fault fault :
          {Fault::hang_in_position, Fault::hang_in_force, Fault::crash_in_position, Fault::nan}) {
+        const pid_t hung = driver_process();
         bench_->set(fault);
+        // A Touch has no watchdog of its own: it is at zero once the next process has opened it, whose calls must return.
+        if (std::string(GetParam()) == "hd:" &&
+            (fault == Fault::hang_in_position || fault == Fault::hang_in_force)) {
+            ASSERT_TRUE(test::eventually([&] { return kill(hung, 0) != 0; })) << static_cast<int>(fault);
+            bench_->set(Fault::none);
+        }
         ASSERT_TRUE(test::eventually([&] { return hardware().largest_now() == 0; }))
             << static_cast<int>(fault);
         bench_->set(Fault::none);
