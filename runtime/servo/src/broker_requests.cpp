@@ -316,7 +316,10 @@ bool Broker::Impl::show_asset(const Connection& connection, const protocol::Show
         if (connection.watching != request.device)
             throw RequestRefused(
                 "asset: this connection does not watch that device; send WatchRequest first");
-        const shm::Segment& memory = tables[request.device]->asset_memory(request.row, request.number);
+        std::size_t shown_so_far = 0;
+        for (const auto& table : tables) shown_so_far += table->shown_assets();
+        const shm::Segment& memory = tables[request.device]->asset_memory(
+            request.row, request.number, shown_so_far < broker_bounds::shown_assets);
         protocol::ShownAsset shown;
         shown.bytes = memory.size();
         const std::array fds{memory.fd()};

@@ -82,7 +82,7 @@ std::size_t ClaimTable::shown_assets() const noexcept {
     return shown;
 }
 
-const shm::Segment& ClaimTable::asset_memory(std::uint32_t index, std::uint32_t number) {
+const shm::Segment& ClaimTable::asset_memory(std::uint32_t index, std::uint32_t number, bool room) {
     const bool there = index < rows_.size() && rows_[index].stage == Stage::held && number >= 1 &&
                        number <= rows_[index].assets.size() &&
                        rows_[index].assets[number - 1].stage == RowAsset::Stage::there;
@@ -91,9 +91,8 @@ const shm::Segment& ClaimTable::asset_memory(std::uint32_t index, std::uint32_t 
             fmt::format("asset: device \"{}\" has no asset {} of a client in row {}; it may have left",
                         device_.name, number, index));
     HeldAsset& asset = *rows_[index].assets[number - 1].held;
-    if (!asset.shown && shown_assets() >= most_shown_assets)
-        throw RequestRefused(fmt::format("asset: device \"{}\" shows {} assets already, which is all it does",
-                                         device_.name, most_shown_assets));
+    if (!asset.shown && !room)
+        throw RequestRefused("asset: the servo shows as many assets as it can; end a client that has many");
     try {
         // Whoever maps it, if only for reading, must not have the kernel move it under the servo.
         if (!asset.shown) asset.block->hold_pages();

@@ -30,6 +30,8 @@ inline constexpr std::size_t connections = 320;
 inline constexpr int messages_at_once = 16;
 /// Connections that may wait to be accepted.
 inline constexpr int listen_backlog = 128;
+/// Most assets that are shown to watchers, of all devices together.
+inline constexpr std::size_t shown_assets = 512;
 /// A device that is not idle after this time is put to zero without a ramp (s).
 inline constexpr double ramp_down_seconds = 1;
 }  // namespace broker_bounds

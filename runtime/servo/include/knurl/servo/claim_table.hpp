@@ -118,11 +118,11 @@ class ClaimTable {
     /// Gives the asset to the claim's scene. Throws RequestRefused: the claim has gone, or the servo is busy.
     void give_asset(std::uint64_t key, std::uint32_t number, std::unique_ptr<Asset> asset, AssetMemory memory,
                     const protocol::AssetDigest& digest);
-    /// Most assets that are shown to watchers. Each takes a descriptor until its claim has given it up.
-    static constexpr std::size_t most_shown_assets = 512;
-    /// The memory of an asset of the claim in that row, for who watches. Throws RequestRefused: there is none, or too many
-    /// are shown.
-    const shm::Segment& asset_memory(std::uint32_t row, std::uint32_t number);
+    /// The memory of an asset of the claim in that row, for who watches. `room`: one more may be shown. Throws
+    /// RequestRefused: there is none, or there is no room.
+    const shm::Segment& asset_memory(std::uint32_t row, std::uint32_t number, bool room);
+    /// Assets that are shown to watchers. Each takes a descriptor until its claim has given it up.
+    std::size_t shown_assets() const noexcept;
     /// The asset is freed once the servo has given it back. Throws RequestRefused.
     void forget_asset(std::uint64_t key, std::uint32_t number);
 
@@ -130,7 +130,6 @@ class ClaimTable {
     const HostedDevice& device() const { return device_; }
 
   private:
-    std::size_t shown_assets() const noexcept;
     enum class Stage {
         free,
         granted,
