@@ -329,6 +329,11 @@ TEST_F(CHand, follows_a_model_and_says_when_the_model_fails) {
     ASSERT_TRUE(did(knurl_get_plane(hand, face, &now)));
     EXPECT_NE(now.offset, 0.25) << "nothing was set";
     floor.fails_with = 0;
+    EXPECT_TRUE(fails(KNURL_CALLBACK_FAILED,
+                      knurl_follow(
+                          hand, face, [](void*, const knurl_vec3*, knurl_surface_point*) { return 0; },
+                          nullptr, 0, nullptr),
+                      "without a normal"));
     EXPECT_TRUE(fails(KNURL_BAD_PARAMETERS, knurl_follow(hand, spring, Floor::nearest, &floor, 0, &followed),
                       "spring"));
     EXPECT_TRUE(fails(KNURL_BAD_ARGUMENT, knurl_follow(hand, face, nullptr, &floor, 0, &followed)));

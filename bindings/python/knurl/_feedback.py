@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Callable, Sequence, Tuple, Union
 
 from . import _structs as s
+from ._errors import BadParameters
 from ._lazy import floats
 
 if TYPE_CHECKING:
@@ -142,6 +143,8 @@ def give_answer(answer: Any, out: Any) -> None:
         answer = SurfacePoint(foot, normal)
     out.foot[:] = [float(number) for number in answer.foot]
     out.normal[:] = [float(number) for number in answer.normal]
+    if not any(out.normal):
+        raise BadParameters("the model's normal is 0 0 0: give the direction towards free space, of any length but 0")
     out.axis[:] = [float(number) for number in answer.axis]
     out.curvature = answer.curvature
     out.curvature2 = answer.curvature2

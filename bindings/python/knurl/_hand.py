@@ -10,7 +10,7 @@ from . import _alive
 from . import _structs as s
 from ._assets import AssetMaterial, SentShape, heights_of_image, pack_heights, pack_mesh, sent_of
 from ._device import Limits, Timing, limits_of, timing_of
-from ._errors import BadParameters
+from ._errors import BadParameters, CallbackFailed
 from ._feedback import Feedback, Followed, followed_of, give_answer
 from ._lazy import floats
 from ._library import check, lib
@@ -276,6 +276,10 @@ class Hand(Observer, Owner):
             code = lib.knurl_follow(self._handle, representation._id, self._callback, None, step, c.byref(row))
             if self._model_error is not None:
                 raise self._model_error
+            if code == CallbackFailed.code:
+                # _evaluate did not finish, and caught nothing. Python runs signal handlers also between the callback's
+                # entry and its `try`; ctypes then prints what they raise, and drops it. That is Ctrl-C.
+                raise KeyboardInterrupt
             check(code)
         finally:
             self._model = self._model_error = None

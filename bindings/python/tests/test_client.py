@@ -3,11 +3,13 @@
 import os
 import select
 import shutil
+import sys
 import tempfile
 import threading
 import traceback
 import types
 import unittest
+from unittest import mock
 
 import numpy as np
 from support import PRESS, Bridge, ServoCase, run_python, until, until_active
@@ -229,10 +231,27 @@ class EndToEnd:
             self.assertIn("broken", [frame.name for frame in traceback.extract_tb(error.__traceback__)])
         with self.assertRaises(TypeError):
             floor.follow(lambda near: None)
+        with self.assertRaisesRegex(knurl.BadParameters, "normal is 0 0 0"):
+            floor.follow(lambda near: (near, (0, 0, 0)))
         self.assertEqual(floor.offset, -0.1)
         hand.commit()
         with self.assertRaises(knurl.Error):
             hand.add(knurl.Sphere(stiffness=1)).follow(lambda near: (near, near))
+
+    def test_an_interrupt_at_the_entry_of_a_model_comes_out_of_follow(self):
+        """Python may run a signal's handler before the callback's first statement; ctypes drops what it raises."""
+        hand = self.claimed()
+        floor = hand.add(knurl.Plane(stiffness=500, offset=-0.1))
+        hand.newest(timeout=10)
+
+        def interrupted(*_):
+            raise KeyboardInterrupt
+
+        with mock.patch.object(hand, "_evaluate", interrupted), mock.patch.object(sys, "unraisablehook") as dropped:
+            with self.assertRaises(KeyboardInterrupt):
+                floor.follow(lambda near: (near, near))
+        dropped.assert_called_once()
+        self.assertEqual(floor.offset, -0.1)
 
     def test_two_threads(self):
         """One reads and measures while another one commits."""

@@ -609,8 +609,8 @@ typedef struct knurl_surface_point {
 } knurl_surface_point;
 
 /// A model: fills in the nearest point of its surface to a place (m); `out` comes as zeros. Called from
-/// within knurl_follow, in its thread. Other than 0: it failed, and knurl_follow returns
-/// KNURL_CALLBACK_FAILED. It must return: an exception or longjmp must not leave it.
+/// within knurl_follow, in its thread. Other than 0, or a normal that is left at zero: it failed, and
+/// knurl_follow returns KNURL_CALLBACK_FAILED. It must return: an exception or longjmp must not leave it.
 typedef int (*knurl_surface_model)(void* user, const knurl_vec3* near, knurl_surface_point* out);
 
 /// What knurl_follow found.

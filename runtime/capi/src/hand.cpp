@@ -247,6 +247,10 @@ int knurl_follow(knurl_hand* hand, knurl_id id, knurl_surface_model model, void*
             if (const int code = model(user, &at, &found); code != 0)
                 throw Failed(KNURL_CALLBACK_FAILED,
                              "the surface model failed with " + std::to_string(code) + "; nothing was set");
+            if (from_c(found.normal) == Vec3{})
+                throw Failed(
+                    KNURL_CALLBACK_FAILED,
+                    "the surface model returned without a normal (normal is 0 0 0); nothing was set");
             return {.foot = from_c(found.foot),
                     .normal = from_c(found.normal),
                     .curvature = found.curvature,
