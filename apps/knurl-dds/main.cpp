@@ -107,6 +107,7 @@ int serve(const CommandLine& said) {
     dds::Config config = config_of(said);
     require_sense(config);
     commandline::stop_on_signals();
+    commandline::go_before_others();
     dds::Domain domain(config.domain);
     dds::Registry registry(domain);
     const std::string servo = protocol::servo_address(config.robot.servo).name;

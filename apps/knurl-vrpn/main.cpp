@@ -84,6 +84,7 @@ int serve(const CommandLine& said) {
     }
     const vrpn::ServerOptions options = options_of(said);
     commandline::stop_on_signals();
+    commandline::go_before_others();
     vrpn::Server server(options);
     std::string names;
     for (const vrpn::SenderName& each : options.senders)

@@ -252,6 +252,8 @@ TEST(DdsCommands, state_commands_have_crtks_meaning) {
     EXPECT_EQ(desk.desk.state(), "FAULT");
     desk.desk.word(desk.from("a"), "enable");
     EXPECT_TRUE(says(desk, "is in fault; reset it on its host"));
+    desk.desk.look_away();
+    EXPECT_EQ(desk.desk.state(), "ENABLED") << "an old fault is no state";
 }
 
 TEST(DdsCommands, hold_lasts_until_something_else_is_commanded) {

@@ -1,6 +1,8 @@
 // The robot side: a real servo, a real knurl-dds, and this test or a process beside it as the robot.
 
 #include <knurl/dds/type_hash.hpp>
+#include <knurl/protocol/servo_address.hpp>
+#include <knurl/view/servo_view.hpp>
 
 #include "e2e.hpp"
 #include "knurl_msgs.h"
@@ -28,6 +30,33 @@ struct Watch {
 
 EndpointOptions reliable(const char* message) {
     return {.message = message, .reliable = true, .depth = 10};
+}
+
+std::size_t clients(const client_test::ServoProcess&) {
+    return view::ServoWatch(protocol::servo_address("default")).look().devices.at(0).clients.size();
+}
+
+TEST(DdsRobot, the_servo_has_no_client_while_nobody_reads_or_commands) {
+    ServoProcess servo;
+    DdsProgram program({"--command", "cartesian3"});
+    const auto until = [&](std::size_t wanted) {
+        return eventually([&] { return clients(servo) == wanted; });
+    };
+    Here here;
+    {
+        const Entity pose =
+            here.domain.reader("rt/cartesian3/measured_cp", geometry_msgs_msg_dds__PoseStamped__desc,
+                               reliable("geometry_msgs/msg/PoseStamped"));
+        EXPECT_TRUE(until(1)) << "a reader";
+    }
+    EXPECT_TRUE(until(0)) << "no reader any more";
+    {
+        const Entity command =
+            here.domain.writer("rt/cartesian3/servo_cf", geometry_msgs_msg_dds__WrenchStamped__desc,
+                               {.message = "geometry_msgs/msg/WrenchStamped"});
+        EXPECT_TRUE(until(1)) << "one who may command";
+    }
+    EXPECT_TRUE(until(0)) << "nobody any more";
 }
 
 TEST(DdsRobot, what_the_hand_does_is_written_as_ros_names_it) {

@@ -48,13 +48,6 @@ shm::UniqueFd take_signals() {
     return fd;
 }
 
-/// All peers wait for one thread, so it should not wait for every program of this host. With the right to do
-/// so it gets a higher priority than these, but a lower one than any real-time thread.
-void go_before_others() {
-    constexpr int nice = -11;
-    ::setpriority(PRIO_PROCESS, 0, nice);
-}
-
 /// Each stream costs a few descriptors, and the usual soft limit is 1024.
 void raise_descriptor_limit() {
     rlimit limit{};
@@ -98,7 +91,7 @@ int serve(const std::string& servo, const std::string& listen, const std::string
     if (!keys_file.empty()) options.keys = read_keys(keys_file);
     const shm::UniqueFd signals = take_signals();
     raise_descriptor_limit();
-    go_before_others();
+    commandline::go_before_others();
     Relay relay(std::move(options));
     std::printf("knurl-bridge: servo '%s' is reached at knurl://%s%s%s\n", servo.c_str(),
                 relay.listening_at().c_str(), keys_file.empty() ? "" : ", with a key", about(servo).c_str());

@@ -6,6 +6,8 @@
 #include <filesystem>
 #include <system_error>
 
+#include <sys/resource.h>
+
 #include <knurl/commandline/program.hpp>
 
 #include "streams.hpp"
@@ -84,6 +86,11 @@ void stop_on_signals() {
     for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
         if (std::signal(signal, [](int) { stop = true; }) == SIG_IGN) std::signal(signal, SIG_IGN);
     }
+}
+
+void go_before_others() {
+    constexpr int nice = -11;
+    ::setpriority(PRIO_PROCESS, 0, nice);
 }
 
 std::string program_beside(const std::string& name) {

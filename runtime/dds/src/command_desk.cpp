@@ -77,10 +77,14 @@ void CommandDesk::look(const Report& report) {
     report_ = report;
 }
 
+void CommandDesk::look_away() {
+    report_.reset();
+}
+
 std::string_view CommandDesk::state() const {
     if (report_ && report_->state == DeviceState::fault) return "FAULT";
     if (paused_) return "PAUSED";
-    if (!enabled_ || !report_ || report_->state == DeviceState::disconnected) return "DISABLED";
+    if (!enabled_ || (report_ && report_->state == DeviceState::disconnected)) return "DISABLED";
     return "ENABLED";
 }
 

@@ -149,6 +149,14 @@ void DeviceCommands::take() {
     for (auto& input : inputs_) input->take(*input);
 }
 
+bool DeviceCommands::anybody_there() const {
+    return std::any_of(inputs_.begin(), inputs_.end(), [](const auto& input) {
+        dds_subscription_matched_status_t status{};
+        return dds_get_subscription_matched_status(input->reader.get(), &status) == DDS_RETCODE_OK &&
+               status.current_count > 0;
+    });
+}
+
 void DeviceCommands::look_for_gone() {
     const std::vector<std::string> held = desk_.peers();
     if (held.empty()) return;

@@ -21,6 +21,8 @@ class DeviceCommands {
     void attach(dds_entity_t waitset);
     /// Takes what has come, to the desk.
     void take();
+    /// A writer of one of its topics is in the domain.
+    bool anybody_there() const;
     /// Tells the desk of peers that have gone.
     void look_for_gone();
     CommandDesk& desk() { return desk_; }

@@ -30,13 +30,16 @@ constexpr auto retry = 250ms;         // between two tries to reach the servo
 constexpr auto idle_look = 100ms;     // while nobody reads
 constexpr auto command_tick = 10ms;   // while somebody holds something
 constexpr auto command_idle = 200ms;  // while nobody does
-constexpr auto gone_look = 200ms;     // for peers that have gone
+constexpr auto gone_look = 200ms;     // for peers that have come or gone
+constexpr auto linger = 1s;           // an observer is kept once nobody needs it
 
-/// One device of the servo.
+/// One device of the servo. Its observers are there only while somebody reads, or commands: an observer takes its
+/// instructions in each cycle of the servo, even if it never looks.
 struct Device {
     DeviceDescription info;
     std::optional<Observer> reports;  // of the thread that writes
     std::optional<Observer> newest;   // of the thread that reads commands
+    Clock::time_point commanded{};
     std::optional<DeviceTopics> topics;
     std::unique_ptr<DeviceCommands> commands;
     std::atomic<const char*> state{"DISABLED"};
@@ -73,7 +76,9 @@ struct RobotSide::Impl {
     void open();
     void close();
     void write_of(Device& device);
+    void write_one(Device& device);
     void read_commands();
+    void look(Device& device);
     std::unique_ptr<DeviceCommands> commands_of(const Device& device);
     bool same_devices();
     void describe(ServoEntry& servo);
@@ -89,7 +94,7 @@ struct RobotSide::Impl {
 
     std::optional<Client> client;
     std::vector<std::unique_ptr<Device>> devices;
-    std::uint64_t servos = 0;
+    pid_t servo = 0;
     std::thread commander;
     std::atomic<bool> connected{false};
 
@@ -109,11 +114,9 @@ void RobotSide::Impl::keep() {
     do {
         try {
             if (!client) open();
-            connected = !devices.empty() && devices.front()->reports->connected();
-            if (connected && devices.front()->reports->reattachments() != servos) {
-                servos = devices.front()->reports->reattachments();
-                if (!same_devices()) close();
-            }
+            const pid_t now = client->servo_pid();
+            connected = now != 0;
+            if (connected && std::exchange(servo, now) != now && !same_devices()) close();
         } catch (const std::exception& error) {
             domain.say(error.what());
             close();
@@ -128,8 +131,6 @@ void RobotSide::Impl::open() {
     for (const DeviceDescription& info : client->devices()) {
         auto device = std::make_unique<Device>();
         device->info = info;
-        device->reports.emplace(client->observe(info.name));
-        device->newest.emplace(client->observe(info.name));
         const auto row =
             std::find_if(seen.devices.begin(), seen.devices.end(),
                          [&](const view::DeviceView& each) { return info.name == each.info.name; });
@@ -146,7 +147,7 @@ void RobotSide::Impl::open() {
             domain.say(fmt::format("device '{}', which may be commanded, is none of this servo's; {}",
                                    rule.device, protocol::instead_of_device(rule.device, names)));
         }
-    servos = devices.empty() ? 0 : devices.front()->reports->reattachments();
+    servo = client->servo_pid();
     closing = false;
     for (auto& device : devices) device->writer = std::thread([this, raw = device.get()] { write_of(*raw); });
     commander = std::thread([this] { read_commands(); });
@@ -156,10 +157,8 @@ void RobotSide::Impl::close() {
     connected = false;
     closing = true;
     changed.notify_all();
-    for (auto& device : devices) {
-        if (device->reports) device->reports->release();  // a reader that sleeps wakes
+    for (auto& device : devices)
         if (device->writer.joinable()) device->writer.join();
-    }
     if (commander.joinable()) commander.join();
     devices.clear();
     client.reset();
@@ -183,30 +182,57 @@ std::unique_ptr<DeviceCommands> RobotSide::Impl::commands_of(const Device& devic
     return nullptr;
 }
 
-/// Sleeps on the servo's reports only where somebody reads as many of them: else on a clock of its own, which costs the
-/// servo nothing.
 void RobotSide::Impl::write_of(Device& device) {
+    auto read = Clock::now();
     while (!closing) {
-        const auto now = Clock::now();
-        if (!device.topics->wanted(now)) {
+        if (const auto now = Clock::now(); device.topics->wanted(now)) {
+            read = now;
+        } else {
+            if (now > read + linger) device.reports.reset();
             std::unique_lock lock(mutex);
             changed.wait_for(lock, idle_look, [this] { return closing.load(); });
             continue;
         }
         try {
-            if (device.topics->highest_rate() >= 0.9 * device.info.rate) {
-                if (const auto report = device.reports->newest(50ms))
-                    device.topics->write(Clock::now(), *report, word_of(*report, device.state));
-                continue;
-            }
-            std::this_thread::sleep_until(std::min(device.topics->next_due(), now + idle_look));
-            if (const auto report = device.reports->latest())
-                device.topics->write(Clock::now(), *report, word_of(*report, device.state));
-            else
-                std::this_thread::sleep_for(idle_look);
-        } catch (const Error&) {  // released, or the servo is away
-            std::this_thread::sleep_for(1ms);
+            if (!device.reports) device.reports.emplace(client->observe(device.info.name));
+            write_one(device);
+        } catch (const Error&) {  // the servo is away
+            std::unique_lock lock(mutex);
+            changed.wait_for(lock, idle_look, [this] { return closing.load(); });
         }
+    }
+}
+
+/// Sleeps on the servo's reports only where somebody reads as many of them: else on a clock of its own, which costs the
+/// servo no wake-up.
+void RobotSide::Impl::write_one(Device& device) {
+    std::optional<Report> report;
+    if (device.topics->highest_rate() >= 0.9 * device.info.rate) {
+        if (const auto frame = device.reports->newest(50ms)) report = *frame;
+    } else {
+        std::this_thread::sleep_until(std::min(device.topics->next_due(), Clock::now() + idle_look));
+        if (const auto latest = device.reports->latest())
+            report = *latest;
+        else
+            std::this_thread::sleep_for(idle_look);
+    }
+    if (report) device.topics->write(Clock::now(), *report, word_of(*report, device.state));
+}
+
+/// Shows the desk the newest report, while somebody commands or may.
+void RobotSide::Impl::look(Device& device) {
+    if (Clock::now() > device.commanded + linger) {
+        device.newest.reset();
+        device.commands->desk().look_away();
+        return;
+    }
+    try {
+        const bool fresh = !device.newest;
+        if (fresh) device.newest.emplace(client->observe(device.info.name));
+        // A new one has no report before the next cycle; the first command waits for it.
+        if (fresh) device.newest->newest(50ms);
+        if (const auto report = device.newest->latest()) device.commands->desk().look(*report);
+    } catch (const Error&) {  // the servo is away: the last report counts
     }
 }
 
@@ -217,22 +243,21 @@ void RobotSide::Impl::read_commands() {
     if (!any) return;
     for (auto& device : devices)
         if (device->commands) device->commands->attach(waitset.get());
-    auto look = Clock::now();
+    auto next_look = Clock::now();
     bool held = false;
     while (!closing) {
         const auto patience =
             std::chrono::nanoseconds(held ? std::chrono::nanoseconds(command_tick) : command_idle);
-        dds_waitset_wait(waitset.get(), nullptr, 0, patience.count());
+        const bool came = dds_waitset_wait(waitset.get(), nullptr, 0, patience.count()) > 0;
         held = false;
-        const bool look_now = Clock::now() >= look;
-        if (look_now) look = Clock::now() + gone_look;
+        const bool look_now = Clock::now() >= next_look;
+        if (look_now) next_look = Clock::now() + gone_look;
         for (auto& device : devices) {
             if (!device->commands) continue;
             CommandDesk& desk = device->commands->desk();
-            try {
-                if (const auto report = device->newest->latest()) desk.look(*report);
-            } catch (const Error&) {  // the servo is away: the last report counts
-            }
+            if (came || !desk.peers().empty() || (look_now && device->commands->anybody_there()))
+                device->commanded = Clock::now();
+            look(*device);
             device->commands->take();
             if (look_now) device->commands->look_for_gone();
             desk.tick();

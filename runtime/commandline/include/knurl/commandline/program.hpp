@@ -57,4 +57,9 @@ static_assert(std::atomic<bool>::is_always_lock_free, "written by a signal handl
 /// stays ignored.
 void stop_on_signals();
 
+/// For a gateway, before it starts a thread: its peers wait for it, so it should not wait for every program of this
+/// host. With the right to do so it gets a higher priority than these (nice -11), but a lower one than any real-time
+/// thread.
+void go_before_others();
+
 }  // namespace knurl::commandline

@@ -79,6 +79,8 @@ class CommandDesk {
 
     /// The newest report: where the hand is, what state the device has.
     void look(const Report& report);
+    /// Nobody commands, and no report is known until the next look().
+    void look_away();
     /// servo_cf; `body`: in the frame of the tip.
     void force(const Origin& from, const Head& head, Vec3 force, Vec3 torque, bool body);
     /// servo_cp.
