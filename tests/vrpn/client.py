@@ -30,6 +30,7 @@ TYPES = {
     "vertex": "vrpn_ForceDevice setVertex",
     "triangle": "vrpn_ForceDevice setTriangle",
     "update": "vrpn_ForceDevice updateTrimeshChanges",
+    "effect": "vrpn_ForceDevice Custom Effect",
     "clear": "vrpn_ForceDevice clearTrimesh",
     "enable": "vrpn_ForceDevice constraint_enable",
     "mode": "vrpn_ForceDevice constraint_mode",

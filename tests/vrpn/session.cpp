@@ -378,10 +378,57 @@ TEST(VrpnSession, a_payload_of_a_wrong_length_is_refused) {
     EXPECT_TRUE(client.around.told.items.empty());
 }
 
-TEST(VrpnSession, an_effect_of_its_own_is_refused_and_the_client_told_so) {
+/// Number 0 of the servers of Phantoms: amplitude, frequency, duration, direction.
+struct Buzz {
     FakeClient client;
-    client.numbers(Type::custom_effect, {1, 0});
-    EXPECT_NE(client.text().find("effects of a client's own are not known here"), std::string::npos);
+    void send(const std::vector<float>& values, std::uint32_t number = 0) {
+        PayloadWriter out;
+        out.put(number).put(static_cast<std::uint32_t>(values.size()));
+        for (const float value : values) out.put(value);
+        client.say(Type::custom_effect, out);
+    }
+    void report(std::int64_t at) {
+        HandReport report;
+        report.read_ns = at;
+        client.session.report(0, std::span(&report, 1), client.now);
+    }
+    bool there() const { return client.around.told.items.contains("effect"); }
+};
+
+TEST(VrpnSession, the_effect_of_a_phantoms_server_buzzes_for_its_time_along_its_direction) {
+    Buzz buzz;
+    buzz.send({0.5f, 150, 0.25f, 0, 1, 0});
+    const auto felt = buzz.client.around.told.get<Vibration>("effect");
+    EXPECT_EQ(felt.amplitude, 0.5);
+    EXPECT_EQ(felt.frequency, 150);
+    EXPECT_EQ(felt.direction, (Vec3{0, 0, 1})) << "up, in our axes";
+    buzz.report(1'000'000'000);
+    buzz.report(1'249'000'000);
+    EXPECT_TRUE(buzz.there());
+    buzz.report(1'250'000'000);
+    EXPECT_FALSE(buzz.there());
+    buzz.send({0.25f});  // the rest as before
+    EXPECT_EQ(buzz.client.around.told.get<Vibration>("effect").frequency, 150);
+    EXPECT_EQ(buzz.client.around.told.get<Vibration>("effect").amplitude, 0.25);
+    buzz.report(2'000'000'000);
+    EXPECT_TRUE(buzz.there());
+    buzz.send({}, static_cast<std::uint32_t>(-1));
+    EXPECT_FALSE(buzz.there()) << "as stopEffect() sends it";
+}
+
+TEST(VrpnSession, an_effect_that_makes_no_sense_is_refused_and_changes_nothing) {
+    Buzz buzz;
+    buzz.send({NAN});
+    EXPECT_NE(buzz.client.text().find("the effect's amplitude is nan"), std::string::npos);
+    buzz.send({1, -1});
+    EXPECT_NE(buzz.client.text().find("the effect's frequency is -1"), std::string::npos);
+    buzz.send({1, 100, 1e7f});
+    EXPECT_NE(buzz.client.text().find("the effect's duration is"), std::string::npos);
+    buzz.send({1, 100, 1, 0, 0, 0});
+    EXPECT_NE(buzz.client.text().find("the effect's direction is 0, 0, 0"), std::string::npos);
+    buzz.client.numbers(Type::custom_effect, {0, 1'000'000'000});
+    EXPECT_NE(buzz.client.text().find("its payload has a wrong length"), std::string::npos);
+    EXPECT_FALSE(buzz.there());
 }
 
 TEST(VrpnSession, a_client_that_may_not_command_is_told_why_and_makes_no_hand) {

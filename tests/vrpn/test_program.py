@@ -261,6 +261,14 @@ class Forces(Served):
         client.send("field", field())
         self.assertTrue(self.gone(client))
 
+    def test_a_buzz_is_felt_for_its_time(self):
+        client = self.connected()
+        self.move(client, 0)
+        client.send("effect", struct.pack(">2I6f", 0, 6, 0.5, 5, 0.6, 1, 0, 0))  # 0.5 N, 5 Hz, 0.6 s, to the right
+        for sign in (1, -1, 1, -1):
+            self.assertTrue(self.felt(client, lambda force, sign=sign: sign * force[0] > 0.2))
+        self.assertTrue(self.gone(client))
+
     def test_a_constraint_holds(self):
         client = self.connected()
         self.move(client, 0)

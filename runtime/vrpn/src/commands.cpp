@@ -1,12 +1,13 @@
 #include "commands.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include <knurl/reps/taylor.hpp>
-#include <knurl/reps/vibration.hpp>
 
 #include "turn.hpp"
 
@@ -17,6 +18,7 @@ namespace {
 constexpr double most_force = 1000;        // N: more is a mistake
 constexpr double most_amplitude = 0.01;    // m, of a texture
 constexpr double least_wavelength = 1e-6;  // m
+constexpr double longest_effect = 1e6;     // s
 
 const std::string wrong_length = "its payload has a wrong length";
 
@@ -67,9 +69,7 @@ Outcome Commands::take(Type type, std::span<const std::byte> payload, double max
         case Type::force_field:
             return field(payload);
         case Type::custom_effect:
-            return {.refused =
-                        "effects of a client's own are not known here; send planes, fields, constraints or "
-                        "meshes"};
+            return effect(payload);
         case Type::haptic_origin:
         case Type::scene_origin:
         case Type::haptic_scale:
@@ -158,12 +158,50 @@ std::string Commands::buzz() {
                                  .frequency = effects_.buzz_frequency});
 }
 
-void Commands::touching(bool touched) {
-    if (touched == touched_) return;
-    touched_ = touched;
-    if (!there_.contains("buzz")) return;
-    buzz();
-    hand_->sent();
+/// A buzz for a time, whatever is touched. What is left out of a message stays as it was.
+Outcome Commands::effect(std::span<const std::byte> payload) {
+    const auto m = read_effect(payload);
+    if (!m) return {.refused = wrong_length};
+    if (m->number != EffectMessage::buzz) {
+        drop("effect");
+        return {};
+    }
+    std::string refused;
+    if (m->count >= 1) refused = refuse("the effect's amplitude", m->values[0], 0, most_force);
+    if (m->count >= 2 && refused.empty()) refused = refuse("the effect's frequency", m->values[1], 0, 1e5);
+    if (m->count >= 3 && refused.empty())
+        refused = refuse("the effect's duration", m->values[2], 0, longest_effect);
+    const bool direction = m->count >= 6;
+    if (direction && refused.empty())
+        refused = refuse_all("the effect's direction", std::span(m->values).subspan<3>(), farthest);
+    if (direction && refused.empty() && !has_direction(vec_of(&m->values[3])))
+        refused = "the effect's direction is 0, 0, 0";
+    if (!refused.empty()) return {.refused = refused};
+    if (m->count >= 1) effect_.amplitude = double{m->values[0]};
+    if (m->count >= 2) effect_.frequency = double{m->values[1]};
+    if (m->count >= 3) effect_time_ = double{m->values[2]};
+    if (direction) effect_.direction = vec_of(&m->values[3]);
+    Vibration felt = effect_;
+    felt.direction = mapping_.axes.back().direction(effect_.direction);
+    effect_ends_ns_ = 0;
+    return {.refused = put("effect", felt)};
+}
+
+void Commands::look(const Report& report) {
+    bool changed = false;
+    if (there_.contains("effect")) {
+        if (effect_ends_ns_ == 0) effect_ends_ns_ = report.read_ns + std::llround(effect_time_ * 1e9);
+        if (report.read_ns >= effect_ends_ns_) {
+            drop("effect");
+            changed = true;
+        }
+    }
+    const bool touched = (report.flags & report_flags::touching) != 0;
+    if (std::exchange(touched_, touched) != touched && there_.contains("buzz")) {
+        buzz();
+        changed = true;
+    }
+    if (changed) hand_->sent();
 }
 
 Outcome Commands::field(std::span<const std::byte> payload) {

@@ -10,8 +10,10 @@
 #include <vector>
 
 #include <knurl/gateway/peer_hand.hpp>
+#include <knurl/protocol/report.hpp>
 #include <knurl/reps/constraint.hpp>
 #include <knurl/reps/kind.hpp>
+#include <knurl/reps/vibration.hpp>
 #include <knurl/vrpn/mapping.hpp>
 #include <knurl/vrpn/messages.hpp>
 
@@ -34,8 +36,8 @@ class Commands {
 
     /// A message of this type. `max_stiffness` (N/m): of the device.
     Outcome take(Type type, std::span<const std::byte> payload, double max_stiffness);
-    /// The newest report: a buzz is felt while a surface is touched.
-    void touching(bool touched);
+    /// The newest report: a plane's buzz is felt while a surface is touched, an effect for its time.
+    void look(const Report& report);
     gateway::PeerCommands& hand() { return *hand_; }
 
   private:
@@ -49,6 +51,7 @@ class Commands {
 
     Outcome plane(std::span<const std::byte> payload, double max_stiffness);
     Outcome plane_effects(std::span<const std::byte> payload);
+    Outcome effect(std::span<const std::byte> payload);
     Outcome field(std::span<const std::byte> payload);
     Outcome constraint(Type type, std::span<const std::byte> payload);
     std::string hold();
@@ -62,7 +65,10 @@ class Commands {
     std::size_t last_plane_ = 0;
     PlaneEffectsMessage effects_;
     bool touched_ = false;
-    Constraint constraint_;  // in the client's axes
+    Vibration effect_{.frequency = 100};  // in the client's axes
+    double effect_time_ = 0;              // s
+    std::int64_t effect_ends_ns_ = 0;     // by the reports' clock; 0: it begins with the next report
+    Constraint constraint_;               // in the client's axes
     bool constrained_ = false;
     std::int32_t mode_ = 0;
     std::array<Vec3, 5> constraint_at_{};  // by type, from constraint_point on

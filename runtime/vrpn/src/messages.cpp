@@ -190,6 +190,17 @@ std::optional<PlaneEffectsMessage> read_plane_effects(std::span<const std::byte>
                                                .buzz_frequency = values[5]});
 }
 
+std::optional<EffectMessage> read_effect(std::span<const std::byte> payload) noexcept {
+    Payload in(payload);
+    EffectMessage m;
+    m.number = in.take<std::uint32_t>();
+    const auto count = in.take<std::uint32_t>();
+    if (!in.ok() || in.rest().size() != std::uint64_t{count} * sizeof(float)) return std::nullopt;
+    m.count = std::min<std::uint32_t>(count, m.values.size());
+    for (std::uint32_t i = 0; i < m.count; ++i) m.values[i] = in.take<float>();
+    return m;
+}
+
 std::optional<FieldMessage> read_field(std::span<const std::byte> payload) noexcept {
     Payload in(payload);
     FieldMessage m;

@@ -42,10 +42,13 @@ bool lets_go(Type type, std::span<const std::byte> payload) {
             Payload in(payload);
             return in.take<std::int32_t>() == 0;
         }
+        case Type::custom_effect: {
+            const auto effect = read_effect(payload);
+            return effect && effect->number != EffectMessage::buzz;
+        }
         case Type::clear_trimesh:
         case Type::remove_object:
-        case Type::custom_effect:
-            return type != Type::custom_effect;
+            return true;
         default:
             return false;
     }
@@ -386,7 +389,7 @@ void Session::report(std::size_t sender, std::span<const HandReport> reports, Ti
     if (!s.bytes.empty()) s.around.send(Service::quick, s.bytes);
     s.bytes.clear();
     s.buttons(sender, reports);
-    if (link.commands) link.commands->touching((reports.back().flags & report_flags::touching) != 0);
+    if (link.commands) link.commands->look(reports.back());
 }
 
 /// What the hand has to say, and its lease.

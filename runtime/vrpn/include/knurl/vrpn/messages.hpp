@@ -208,6 +208,19 @@ struct PlaneEffectsMessage {
     friend bool operator==(const PlaneEffectsMessage&, const PlaneEffectsMessage&) = default;
 };
 
+/// An effect of a server's own. Those of VRPN for a Phantom know one, number 0: a buzz for a time. Any other number stops
+/// it; a client's stopEffect() sends such a one.
+struct EffectMessage {
+    /// The number of the buzz.
+    static constexpr std::uint32_t buzz = 0;
+    /// Number of the effect.
+    std::uint32_t number = 0;
+    /// How many of `values` came.
+    std::uint32_t count = 0;
+    /// Amplitude (N), frequency (Hz), duration (s), direction. A client may leave out the last ones.
+    std::array<float, 6> values{};
+};
+
 /// A force field: force + jacobian (x - origin) within the radius.
 struct FieldMessage {
     /// Where it is known (m).
@@ -272,6 +285,8 @@ struct ObjectMessage {
 std::optional<PlaneMessage> read_plane(std::span<const std::byte> payload) noexcept;
 /// See read_plane.
 std::optional<PlaneEffectsMessage> read_plane_effects(std::span<const std::byte> payload) noexcept;
+/// See read_plane. Numbers behind the ones that are known are left out.
+std::optional<EffectMessage> read_effect(std::span<const std::byte> payload) noexcept;
 /// See read_plane.
 std::optional<FieldMessage> read_field(std::span<const std::byte> payload) noexcept;
 /// See read_plane.
