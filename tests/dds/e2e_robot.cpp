@@ -158,6 +158,31 @@ TEST(DdsRobot, every_writer_says_the_hash_of_its_type) {
     }));
 }
 
+TEST(DdsRobot, a_process_of_another_vendor_reads_and_commands) {
+#ifndef KNURL_DDS_FAST_PEER
+    GTEST_SKIP() << "Fast DDS is not installed (libfastrtps-dev)";
+#else
+    ServoProcess servo;
+    DdsProgram program({"--command", "cartesian3"});
+    const std::string domain = std::to_string(own_domain());
+    Watch watch;
+    Background reader({KNURL_DDS_FAST_PEER, domain, "read", "rt/cartesian3/measured_cp", "200"});
+    const auto hand = watch.observer.newest(10s);
+    ASSERT_TRUE(hand);
+    EXPECT_TRUE(reader.says("frame cartesian3_base, position ")) << reader.said() << program.program().said();
+    std::istringstream said(reader.said().substr(reader.said().find("position ") + 9));
+    Vec3 place;
+    said >> place.x >> place.y >> place.z;
+    EXPECT_LT((to_eigen(place) - to_eigen(hand->position)).norm(), 1e-3);
+
+    Background writer({KNURL_DDS_FAST_PEER, domain, "push", "rt/cartesian3/servo_cf", "0.4", "0", "0"});
+    ASSERT_TRUE(watch.until([](const HandReport& r) { return std::abs(r.sent_force.x - 0.4) < 1e-9; }))
+        << program.program().said();
+    writer.end(SIGKILL);
+    EXPECT_TRUE(watch.until([](const HandReport& r) { return r.sent_force == Vec3{}; }));
+#endif
+}
+
 TEST(DdsRobot, a_writer_that_dies_ends_in_zero_force_by_a_ramp) {
     ServoProcess servo;
     DdsProgram program({"--command", "cartesian3"});
