@@ -6,7 +6,7 @@
 Makes N namespaces (and takes them away again), joined by a bridge in another one. In each runs a knurl-dds, with a knurld unless
 --without-servos. Each knurl-dds is asked, all the time, which servos it sees. Prints the time (s) from each event until all views
 are right: from the start, after kill -9 of one, after its return, after its link was down for a shorter and for a longer time than
-the lease of a participant, with 10 % of all packets lost (by the sender's engine), with two servos of one name; and what the discovery costs
+the lease of a participant, with 10 % of all packets lost (by the sender's engine), with two servos of one name, without multicast; and what the discovery costs
 in packets and bytes a second of a room. Ends with 1 where a view never becomes right. Needs root and `ip`: without them it says so
 and ends with 77.
 """
@@ -59,11 +59,20 @@ class Room:
         return subprocess.Popen(["ip", "netns", "exec", self.space, *words], env=environment, stdout=subprocess.DEVNULL,
                                 stderr=open(self.folder / "log", "ab"), start_new_session=True)
 
-    def start(self, name=None, loss=False):
+    def start(self, name=None, loss=False, peers=()):
         if self.lab.servos and self.servo is None:
             self.servo = self.run(self.lab.knurld, "--name", "servo", "--device", "right=sim:cartesian3", "--rate", "500")
         self.dds = self.run(self.lab.program, "--servo", "servo", "--name", name or self.name, "--interface", "eth0", "--domain", "5",
-                            "--bridge", f"{self.address}:4096", *(("--lose", "100") if loss else ()))
+                            "--bridge", f"{self.address}:4096", *(("--lose", "100") if loss else ()),
+                            *(word for peer in peers for word in ("--peer", peer.address)))
+
+    def says(self, words):
+        """Waits until its knurl-dds has said this."""
+        log, begin = self.folder / "log", time.monotonic()
+        while words not in log.read_text():
+            if time.monotonic() - begin > PATIENCE:
+                raise SystemExit(f"rooms: {self.name} does not say '{words}': {log.read_text()[-2000:]}")
+            time.sleep(0.01)  # between two looks
 
     def kill(self):
         """kill -9 of its knurl-dds; `ip netns exec` has become that program."""
@@ -215,6 +224,16 @@ def try_all(lab, arguments):
         took["clash_over"] = lab.until("and is gone again", without(first))
         first.start()
         lab.until("(it is back)", full)
+    if len(rooms) > 1:
+        last = rooms[-1]
+        last.kill()
+        lab.until("(another one is gone)", without(last))
+        ip("-n", last.space, "link", "set", "eth0", "multicast", "off")
+        last.start()
+        last.says("interface eth0 has no multicast, so nobody is found; name the other hosts as peers")
+        last.kill()
+        last.start(peers=rooms[:-1])
+        took["no_multicast"] = lab.until("without multicast it names the others: all see all", full)
     print(f"discovery and state, of each of {len(rooms)} rooms:", flush=True)
     cost = traffic(lab, arguments.seconds)
     print(f"    in  {cost['packets_in']:8.1f} packets/s {cost['bytes_in']:10.0f} bytes/s\n"
