@@ -13,6 +13,7 @@
 #include <random>
 #include <thread>
 
+#include <knurl/commandline/program.hpp>
 #include <knurl/measure/measure.hpp>
 #include <knurl/measure/output_file.hpp>
 #include <knurl/vrpn/server.hpp>
@@ -285,6 +286,7 @@ int main(int argc, char** argv) {
         }
     }
     try {
+        knurl::commandline::go_before_others();  // as knurl-vrpn does; the reference has it as well
         return run(options);
     } catch (const std::exception& error) {
         std::fprintf(stderr, "knurl_bench_vrpn: %s\n", error.what());

@@ -84,14 +84,15 @@ struct PeerHand::Impl {
         std::unique_lock lock(mutex);
         while (!ending) {
             const Orders taken = std::exchange(orders, {});
-            ordered = false;
+            const bool by_order = std::exchange(ordered, false);
             lock.unlock();
             const auto again = life.step(options.clock(), taken);
             auto news = life.said();
             lock.lock();
             status = life.status();
             for (Said& line : news) said.push_back(std::move(line));
-            woken.wait_for(lock, least_step, [this] { return ending; });
+            // A step that a timer called for delays no order.
+            if (by_order) woken.wait_for(lock, least_step, [this] { return ending; });
             const auto is_woken = [this] { return ordered || ending; };
             if (again)
                 woken.wait_for(lock, *again - options.clock(), is_woken);

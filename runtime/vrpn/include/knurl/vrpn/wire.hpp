@@ -150,8 +150,10 @@ class PayloadWriter {
         using Bits = std::conditional_t<sizeof(T) == 8, std::uint64_t,
                                         std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint16_t>>;
         const Bits bits = std::bit_cast<Bits>(value);
-        for (std::size_t i = sizeof(T); i-- > 0;)
-            bytes_.push_back(static_cast<std::byte>(bits >> (8 * i) & 0xff));
+        std::array<std::byte, sizeof(T)> big;
+        for (std::size_t i = 0; i < sizeof(T); ++i)
+            big[sizeof(T) - 1 - i] = static_cast<std::byte>(bits >> (8 * i) & 0xff);
+        bytes_.insert(bytes_.end(), big.begin(), big.end());
         return *this;
     }
     /// Appends a text in a field of `room` bytes: cut to fit, and always with a zero after it.
