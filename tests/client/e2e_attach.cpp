@@ -66,6 +66,7 @@ TEST(Attach, one_process_leaves_others_as_many_places_as_it_takes) {
     });
     EXPECT_EQ(error.kind, Error::Kind::refused);
     says(error.what(), "and nobody may hold more than he leaves, of its 320 connections");
+#if !defined(__SANITIZE_THREAD__)  // which allows no new thread in the child of a fork
     const pid_t other = ::fork();
     ASSERT_GE(other, 0);
     if (other == 0) {
@@ -79,6 +80,7 @@ TEST(Attach, one_process_leaves_others_as_many_places_as_it_takes) {
     int status = 0;
     ::waitpid(other, &status, 0);
     EXPECT_EQ(WEXITSTATUS(status), 0) << "another process is let in";
+#endif
     all.pop_back();
     EXPECT_TRUE(connect_beside().connected());
 }

@@ -20,6 +20,7 @@
 #include <unistd.h>
 
 #include <knurl/client/client.hpp>
+#include <knurl/commandline/program.hpp>
 #include <knurl/dds/domain.hpp>
 
 #include "../client/servo_process.hpp"
@@ -162,6 +163,7 @@ int run() {
 
 int main() {
     try {
+        knurl::commandline::go_before_others();  // as knurl-dds does; the bare writer has it as well
         return run();
     } catch (const std::exception& error) {
         fmt::print(stderr, "knurl_bench_dds: {}\n", error.what());

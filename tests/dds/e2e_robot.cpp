@@ -1,5 +1,7 @@
 // The robot side: a real servo, a real knurl-dds, and this test or a process beside it as the robot.
 
+#include <sstream>
+
 #include <knurl/dds/type_hash.hpp>
 #include <knurl/protocol/servo_address.hpp>
 #include <knurl/view/servo_view.hpp>
@@ -32,7 +34,7 @@ EndpointOptions reliable(const char* message) {
     return {.message = message, .reliable = true, .depth = 10};
 }
 
-std::size_t clients(const client_test::ServoProcess&) {
+std::size_t clients_of_the_servo() {
     return view::ServoWatch(protocol::servo_address("default")).look().devices.at(0).clients.size();
 }
 
@@ -40,7 +42,7 @@ TEST(DdsRobot, the_servo_has_no_client_while_nobody_reads_or_commands) {
     ServoProcess servo;
     DdsProgram program({"--command", "cartesian3"});
     const auto until = [&](std::size_t wanted) {
-        return eventually([&] { return clients(servo) == wanted; });
+        return eventually([&] { return clients_of_the_servo() == wanted; });
     };
     Here here;
     {

@@ -6,8 +6,8 @@
 Makes N namespaces (and takes them away again), joined by a bridge in another one. In each runs a knurl-dds, with a knurld unless
 --without-servos. Each knurl-dds is asked, all the time, which servos it sees. Prints the time (s) from each event until all views
 are right: from the start, after kill -9 of one, after its return, after its link was down for a shorter and for a longer time than
-the lease of a participant, with 10 % of all packets lost (by the sender's engine), with two servos of one name, without multicast; and what the discovery costs
-in packets and bytes a second of a room. Ends with 1 where a view never becomes right. Needs root and `ip`: without them it says so
+the lease of a participant, with 10 % of all packets lost (by the sender's engine), with two servos of one name, with a room whose link
+has no multicast; and what the discovery costs in packets and bytes a second of a room. Ends with 1 where a view never becomes right. Needs root and `ip`: without them it says so
 and ends with 77.
 """
 

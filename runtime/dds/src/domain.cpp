@@ -25,10 +25,6 @@ constexpr std::uint32_t last_domain = 232;
 // (DDSI-RTPS 2.3, section 9.6.1.1: 250 of a domain, two for each).
 constexpr int most_asked = 32, most_of_a_host = 120;
 
-int most_processes(bool asks_peers) {
-    return asks_peers ? most_asked : most_of_a_host;
-}
-
 /// What is found of an interface that was named.
 struct Interface {
     bool found = false, loopback = false, multicast = false;
@@ -119,6 +115,14 @@ std::uint32_t domain_of_environment() {
     return id;
 }
 
+namespace {
+
+int most_processes(const Interface& is, const DomainOptions& options) {
+    return is.loopback || !options.peers.empty() ? most_asked : most_of_a_host;
+}
+
+}  // namespace
+
 std::string cyclone_configuration(const DomainOptions& options) {
     const std::string said = interface_of(options);
     const Interface is = look_for(said);
@@ -126,14 +130,15 @@ std::string cyclone_configuration(const DomainOptions& options) {
     if (is.loopback) peers += R"(<Peer address="127.0.0.1"/>)";
     for (const std::string& peer : options.peers)
         peers += fmt::format(R"(<Peer address="{}"/>)", attribute(peer));
-    // A host that multicast does not reach finds this one at the ports of its index, which it has for that reason.
+    // The participant takes the ports of an index in place of free ones: a host that multicast does not reach looks for
+    // it at these.
     return fmt::format(
         R"(<Domain id="{}"><General><Interfaces><NetworkInterface {}="{}"/></Interfaces><AllowMulticast>{}</AllowMulticast></General>)"
         R"(<Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>{}</MaxAutoParticipantIndex>)"
         R"(<Peers>{}</Peers><LeaseDuration>{} ms</LeaseDuration><SPDPInterval>{} ms</SPDPInterval></Discovery>)"
         R"(<Internal><Test><XmitLossiness>{}</XmitLossiness></Test></Internal></Domain>)",
         options.id, is_address(said) ? "address" : "name", attribute(said),
-        is.multicast && !is.loopback ? "true" : "false", most_processes(!peers.empty()) - 1, peers,
+        is.multicast && !is.loopback ? "true" : "false", most_processes(is, options) - 1, peers,
         options.lease.count(), options.announce.count(), options.lose);
 }
 
@@ -225,10 +230,10 @@ Domain::Domain(DomainOptions options) : impl_(std::make_unique<Impl>()) {
     dds_lset_offered_incompatible_qos(listener.get(), &incompatible_reader);
     const dds_entity_t participant = dds_create_participant(o.id, nullptr, listener.get());
     if (participant < 0)
-        throw std::runtime_error(fmt::format(
-            "domain {} cannot be joined at {} ({}); at most {} processes of a host can be found "
-            "by their ports",
-            o.id, said, dds_strretcode(participant), most_processes(is.loopback || !o.peers.empty())));
+        throw std::runtime_error(
+            fmt::format("domain {} cannot be joined at {} ({}); at most {} processes of a host can be found "
+                        "by their ports",
+                        o.id, said, dds_strretcode(participant), most_processes(is, o)));
     impl_->participant = Entity(participant, "participant");
 }
 

@@ -31,10 +31,10 @@ constexpr auto idle_look = 100ms;     // while nobody reads
 constexpr auto command_tick = 10ms;   // while somebody holds something
 constexpr auto command_idle = 200ms;  // while nobody does
 constexpr auto gone_look = 200ms;     // for peers that have come or gone
-constexpr auto linger = 1s;           // an observer is kept once nobody needs it
+constexpr auto linger = 1s;           // for which an observer is kept when nobody needs it any more
 
-/// One device of the servo. Its observers are there only while somebody reads, or commands: an observer takes its
-/// instructions in each cycle of the servo, even if it never looks.
+/// One device of the servo. It has observers only while somebody reads, or may command: an observer costs the servo some
+/// instructions in each cycle, even if it never looks.
 struct Device {
     DeviceDescription info;
     std::optional<Observer> reports;  // of the thread that writes
@@ -227,10 +227,11 @@ void RobotSide::Impl::look(Device& device) {
         return;
     }
     try {
-        const bool fresh = !device.newest;
-        if (fresh) device.newest.emplace(client->observe(device.info.name));
-        // A new one has no report before the next cycle; the first command waits for it.
-        if (fresh) device.newest->newest(50ms);
+        if (!device.newest) {
+            device.newest.emplace(client->observe(device.info.name));
+            device.newest->newest(
+                50ms);  // it has no report before the next cycle, and the first command needs one
+        }
         if (const auto report = device.newest->latest()) device.commands->desk().look(*report);
     } catch (const Error&) {  // the servo is away: the last report counts
     }
@@ -255,7 +256,7 @@ void RobotSide::Impl::read_commands() {
         for (auto& device : devices) {
             if (!device->commands) continue;
             CommandDesk& desk = device->commands->desk();
-            if (came || !desk.peers().empty() || (look_now && device->commands->anybody_there()))
+            if (!desk.peers().empty() || ((came || look_now) && device->commands->anybody_there()))
                 device->commanded = Clock::now();
             look(*device);
             device->commands->take();

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <knurl/reps/taylor.hpp>
+#include <knurl/reps/vibration.hpp>
 
 #include "turn.hpp"
 
@@ -166,31 +167,29 @@ Outcome Commands::effect(std::span<const std::byte> payload) {
         drop("effect");
         return {};
     }
-    std::string refused;
-    if (m->count >= 1) refused = refuse("the effect's amplitude", m->values[0], 0, most_force);
-    if (m->count >= 2 && refused.empty()) refused = refuse("the effect's frequency", m->values[1], 0, 1e5);
-    if (m->count >= 3 && refused.empty())
-        refused = refuse("the effect's duration", m->values[2], 0, longest_effect);
-    const bool direction = m->count >= 6;
-    if (direction && refused.empty())
-        refused = refuse_all("the effect's direction", std::span(m->values).subspan<3>(), farthest);
-    if (direction && refused.empty() && !has_direction(vec_of(&m->values[3])))
+    // A direction comes whole or not at all.
+    std::array<float, 6> values = effect_;
+    std::copy_n(m->values.begin(), m->count < 6 ? std::min(m->count, 3u) : 6u, values.begin());
+    const auto direction = std::span(values).subspan<3>();
+    std::string refused = refuse("the effect's amplitude", values[0], 0, most_force);
+    if (refused.empty()) refused = refuse("the effect's frequency", values[1], 0, 1e5);
+    if (refused.empty()) refused = refuse("the effect's duration", values[2], 0, longest_effect);
+    if (refused.empty()) refused = refuse_all("the effect's direction", direction, farthest);
+    if (refused.empty() && !has_direction(vec_of(direction.data())))
         refused = "the effect's direction is 0, 0, 0";
     if (!refused.empty()) return {.refused = refused};
-    if (m->count >= 1) effect_.amplitude = double{m->values[0]};
-    if (m->count >= 2) effect_.frequency = double{m->values[1]};
-    if (m->count >= 3) effect_time_ = double{m->values[2]};
-    if (direction) effect_.direction = vec_of(&m->values[3]);
-    Vibration felt = effect_;
-    felt.direction = mapping_.axes.back().direction(effect_.direction);
+    effect_ = values;
     effect_ends_ns_ = 0;
-    return {.refused = put("effect", felt)};
+    return {.refused =
+                put("effect", Vibration{.direction = mapping_.axes.back().direction(vec_of(direction.data())),
+                                        .amplitude = values[0],
+                                        .frequency = values[1]})};
 }
 
 void Commands::look(const Report& report) {
     bool changed = false;
     if (there_.contains("effect")) {
-        if (effect_ends_ns_ == 0) effect_ends_ns_ = report.read_ns + std::llround(effect_time_ * 1e9);
+        if (effect_ends_ns_ == 0) effect_ends_ns_ = report.read_ns + std::llround(double{effect_[2]} * 1e9);
         if (report.read_ns >= effect_ends_ns_) {
             drop("effect");
             changed = true;

@@ -13,7 +13,6 @@
 #include <knurl/protocol/report.hpp>
 #include <knurl/reps/constraint.hpp>
 #include <knurl/reps/kind.hpp>
-#include <knurl/reps/vibration.hpp>
 #include <knurl/vrpn/mapping.hpp>
 #include <knurl/vrpn/messages.hpp>
 
@@ -65,10 +64,9 @@ class Commands {
     std::size_t last_plane_ = 0;
     PlaneEffectsMessage effects_;
     bool touched_ = false;
-    Vibration effect_{.frequency = 100};  // in the client's axes
-    double effect_time_ = 0;              // s
-    std::int64_t effect_ends_ns_ = 0;     // by the reports' clock; 0: it begins with the next report
-    Constraint constraint_;               // in the client's axes
+    std::array<float, 6> effect_{0, 100, 0, 0, 0, 1};  // as EffectMessage has them
+    std::int64_t effect_ends_ns_ = 0;  // by the reports' clock; 0: it begins with the next report
+    Constraint constraint_;            // in the client's axes
     bool constrained_ = false;
     std::int32_t mode_ = 0;
     std::array<Vec3, 5> constraint_at_{};  // by type, from constraint_point on

@@ -111,18 +111,13 @@ void Devices::watch(std::size_t sender) {
         for (;;) {
             const auto first = each.observer->next_report(std::chrono::seconds(1));
             if (!first) continue;
-            const auto tell = [&](std::span<const HandReport> reports) {
-                const std::lock_guard lock(mutex_);
-                if (on_reports) on_reports(sender, reports);
-                senders_[sender].newest = reports.back();
-            };
-            // The client waits: whatever can be done behind the datagram is.
-            if (first->unread == 0) {
-                tell(std::span(&*first, 1));
-                continue;
-            }
             block[0] = *first;
-            tell(std::span(block).first(1 + each.observer->drain(std::span(block).subspan(1))));
+            const std::size_t count =
+                first->unread == 0 ? 1 : 1 + each.observer->drain(std::span(block).subspan(1));
+            const std::lock_guard lock(mutex_);
+            // The client waits: what else is to be done comes behind its datagram.
+            if (on_reports) on_reports(sender, std::span(block).first(count));
+            senders_[sender].newest = block[count - 1];
         }
     } catch (const Error&) {
         each.over = true;  // released, or the servo has gone for good: a new one is looked for

@@ -10,6 +10,7 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <csignal>
 #include <cstdint>
 #include <cstdlib>
 #include <ctime>
@@ -148,6 +149,12 @@ inline void exchange_takes(const Control& control) {
 }
 [[noreturn]] inline void hang() {
     for (;;) pause();
+}
+
+/// As a fault in a library does it. Sanitizers would answer the signal in their own way.
+inline void crash() {
+    std::signal(SIGSEGV, SIG_DFL);
+    std::raise(SIGSEGV);
 }
 
 /// The tip: where the hand holds it, or a mass at the hand's spring, moved by the motors.

@@ -50,7 +50,7 @@ int open_device(std::size_t index) {
     Control* control = hardware();
     if (control == nullptr || index >= control->devices.load()) return fail(5);
     if (control->has(Fault::hang_in_open)) hang();
-    if (control->has(Fault::crash_in_open)) std::raise(SIGSEGV);
+    if (control->has(Fault::crash_in_open)) crash();
     Device& device = control->device[index];
     if (device.plugged.load() == 0) return fail(5);
     const std::uint32_t other = device.opened_by.load();
@@ -182,7 +182,7 @@ int dhdSetGravityCompensation(int on, char id) {
 int dhdGetPosition(double* x, double* y, double* z, char id) {
     Control* control = hardware();
     if (control != nullptr && control->has(Fault::hang_in_position)) hang();
-    if (control != nullptr && control->has(Fault::crash_in_position)) std::raise(SIGSEGV);
+    if (control != nullptr && control->has(Fault::crash_in_position)) crash();
     Device* device = reach(id);
     if (device == nullptr || refused()) return failed;
     if (!control->has(Fault::time_guard)) move(*device);

@@ -62,7 +62,7 @@ unsigned hdInitDevice(const char* name) {
     const std::string wanted = name == nullptr ? "Default Device" : name;
     const std::size_t index = wanted == "Default Device" ? 0 : wanted == "second" ? 1 : most_devices;
     if (control != nullptr && control->has(Fault::hang_in_open)) hang();
-    if (control != nullptr && control->has(Fault::crash_in_open)) std::raise(SIGSEGV);
+    if (control != nullptr && control->has(Fault::crash_in_open)) crash();
     if (control == nullptr || index >= control->devices.load() ||
         control->device[index].plugged.load() == 0) {
         fail(control != nullptr && index < most_devices ? 0x0302 : 0x0104);
@@ -120,7 +120,7 @@ void hdBeginFrame(unsigned device) {
     Control* control = hardware();
     Device* there = present();
     if (control->has(Fault::hang_in_position)) hang();
-    if (control->has(Fault::crash_in_position)) std::raise(SIGSEGV);
+    if (control->has(Fault::crash_in_position)) crash();
     if (there == nullptr || there->plugged.load() == 0 || control->has(Fault::com_error)) {
         fail(0x0302);
         return;
